@@ -1,0 +1,42 @@
+"""Builds r3gw._C, the C++ extension: every csrc/*.cpp below src/r3gw in one module.
+
+Environment: ``R3GW_PORTABLE=1`` leaves out ``-march=native``, for a build that runs on other
+machines (slower); ``R3GW_SANITIZE=1`` adds the address and undefined-behaviour sanitizers.
+"""
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+from setuptools import setup
+from torch.utils.cpp_extension import BuildExtension, CppExtension
+
+compiler = os.environ.get("CXX", "c++").split()[0]
+if shutil.which(compiler) is None:
+    sys.exit(
+        f"r3gw needs a C++17 compiler, and '{compiler}' is not on the PATH: install one "
+        "(Debian, Ubuntu: apt-get install g++; conda: conda install gxx) or set CXX."
+    )
+
+flags = ["-O3", "-std=c++20", "-fopenmp", "-fno-math-errno", "-fno-trapping-math", "-Wall"]
+link_flags = ["-fopenmp"]
+if os.environ.get("R3GW_PORTABLE") != "1":
+    flags.append("-march=native")
+if os.environ.get("R3GW_SANITIZE") == "1":
+    sanitizers = ["-fsanitize=address,undefined", "-fno-omit-frame-pointer", "-g"]
+    flags += sanitizers
+    link_flags += sanitizers
+
+setup(
+    ext_modules=[
+        CppExtension(
+            "r3gw._C",
+            sorted(str(path) for path in Path("src/r3gw").glob("*/csrc/*.cpp")),
+            include_dirs=[str(Path("src/r3gw").resolve())],
+            extra_compile_args=flags,
+            extra_link_args=link_flags,
+        )
+    ],
+    cmdclass={"build_ext": BuildExtension},
+)

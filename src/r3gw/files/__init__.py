@@ -1,0 +1,6 @@
+"""What every stage does with files: atomic writes, user-facing errors, provenance."""
+
+from r3gw.files.atomic import atomic_path, write_json
+from r3gw.files.errors import InputError
+
+__all__ = ["InputError", "atomic_path", "write_json"]
