@@ -1,0 +1,1 @@
+"""Geometry: rotations, cameras, the sky's spherical coordinates, similarity transforms."""

@@ -1,0 +1,1 @@
+"""Images: display gamma, files on disk, masks."""

@@ -1,0 +1,1 @@
+"""Light from afar: spherical harmonics, environment maps, irradiance."""

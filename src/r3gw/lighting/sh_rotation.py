@@ -1,0 +1,32 @@
+"""Exact rotation of spherical-harmonics coefficients.
+
+Each band spans a rotation-invariant space, so its rotation matrix is fixed by how the basis
+transforms at enough directions: ``Y(R^-1 d) = M^T Y(d)`` holds for every d, and solving it for
+more directions than the band has functions recovers M to rounding error.
+"""
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from r3gw.lighting import sh
+
+
+def rotate(
+    coefficients: Float[Tensor, "coeff 3"], rotation: Float[Tensor, "3 3"]
+) -> Float[Tensor, "coeff 3"]:
+    """Turn a light: the result shines from ``rotation @ d`` what the input shone from ``d``.
+
+    Args:
+        coefficients: Light of any supported degree.
+        rotation: Right-handed rotation matrix.
+    """
+    degree = int(coefficients.shape[0] ** 0.5) - 1
+    generator = torch.Generator().manual_seed(0)
+    directions = torch.randn(4 * coefficients.shape[0], 3, generator=generator, dtype=torch.float64)
+    directions = torch.nn.functional.normalize(directions, dim=-1)
+    after = sh.basis(directions, degree)
+    before = sh.basis(directions @ rotation.double(), degree)  # rows: R^T d
+    # radiance after(d) = before(R^T d): solve after @ new = before @ old in least squares.
+    turned = torch.linalg.lstsq(after, before @ coefficients.double()).solution
+    return turned.to(coefficients.dtype)

@@ -1,0 +1,25 @@
+"""A scene: cameras, photos, points, split and evaluation entries, on disk and in memory."""
+
+from r3gw.scene.scene import (
+    EvaluationEntry,
+    GroundTruth,
+    Points,
+    Scene,
+    View,
+    load_points,
+    load_scene,
+    save_points,
+    save_scene,
+)
+
+__all__ = [
+    "EvaluationEntry",
+    "GroundTruth",
+    "Points",
+    "Scene",
+    "View",
+    "load_points",
+    "load_scene",
+    "save_points",
+    "save_scene",
+]

@@ -1,0 +1,169 @@
+"""The imported scene: ``scene.json`` and the files beside it, whatever format it came from.
+
+All paths inside are relative to the folder of ``scene.json``, so a scene folder can be moved.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from r3gw.files import InputError, atomic_path, write_json
+from r3gw.geometry.cameras import Camera
+from r3gw.geometry.similarity import Similarity
+from r3gw.settings.validation import Strict, read_yaml, validated
+
+Row3 = tuple[float, float, float]
+Row4 = tuple[float, float, float, float]
+
+
+class EvaluationEntry(Strict):
+    """How the published protocol lights one test view (data.md A, E).
+
+    Attributes:
+        mask: Picture, white = evaluate; None evaluates the whole photo.
+        env_map: LDR environment map of the view's session.
+        rotation_rad: The map's initial rotation about x, y, z.
+        threshold: Map values (0..1) above it are multiplied by ``scale``.
+        scale: See ``threshold``.
+        sun_angles_rad: First and last angle of the sweep.
+    """
+
+    mask: str | None
+    env_map: str
+    rotation_rad: Row3
+    threshold: float
+    scale: float
+    sun_angles_rad: tuple[float, float]
+
+
+class GroundTruth(Strict):
+    """What is known exactly of a synthetic view.
+
+    Attributes:
+        exposure, white_balance: photo = display(radiance * exposure * white_balance).
+        env_map: Linear HDR map in the world frame, in the units of ``radiance``.
+        albedo, normal, depth: EXR pictures; normals in world axes, depth is camera z; 0 at sky.
+    """
+
+    exposure: float
+    white_balance: Row3
+    env_map: str
+    albedo: str
+    normal: str
+    depth: str
+
+
+class View(Strict):
+    """One photo with its camera; ``name`` is the file's stem."""
+
+    name: str
+    image: str
+    width: int
+    height: int
+    intrinsics: Row4
+    cam_from_world: tuple[Row4, Row4, Row4, Row4]
+    split: Literal["train", "test"]
+    session: str | None
+    evaluation: EvaluationEntry | None = None
+    truth: GroundTruth | None = None
+
+    @property
+    def camera(self) -> Camera:
+        """The view's camera."""
+        cam_from_world = torch.tensor(self.cam_from_world, dtype=torch.float64)
+        return Camera(cam_from_world, self.intrinsics, self.width, self.height)
+
+
+class Gauge(Strict):
+    """The similarity ``scene_from_source`` that the import applied (identity if none)."""
+
+    scale: float
+    rotation: tuple[Row3, Row3, Row3]
+    translation: Row3
+
+    @staticmethod
+    def of(similarity: Similarity) -> "Gauge":
+        """Record a similarity transform."""
+        return Gauge(
+            scale=similarity.scale,
+            rotation=similarity.rotation.tolist(),
+            translation=similarity.translation.tolist(),
+        )
+
+    @property
+    def similarity(self) -> Similarity:
+        """The recorded transform."""
+        rotation = torch.tensor(self.rotation, dtype=torch.float64)
+        return Similarity(self.scale, rotation, torch.tensor(self.translation, dtype=torch.float64))
+
+
+class Scene(Strict):
+    """All views of a place, in one world frame (up = -y)."""
+
+    name: str
+    source_format: str
+    views: tuple[View, ...]
+    scene_from_source: Gauge
+
+    def split(self, which: Literal["train", "test"]) -> tuple[View, ...]:
+        """The views of one split, in order of their names."""
+        return tuple(view for view in self.views if view.split == which)
+
+
+@dataclass(frozen=True)
+class Points:
+    """The sparse points of the SfM model.
+
+    Attributes:
+        xyz: ``[N, 3]`` float32, world.
+        rgb: ``[N, 3]`` uint8, display values.
+    """
+
+    xyz: NDArray[np.float32]
+    rgb: NDArray[np.uint8]
+
+
+def save_scene(scene: Scene, folder: Path) -> None:
+    """Write ``folder/scene.json``, views in order of their names."""
+    ordered = scene.model_copy(update={"views": tuple(sorted(scene.views, key=_name))})
+    write_json(folder / "scene.json", ordered.model_dump(mode="json"))
+
+
+def load_scene(folder: Path) -> Scene:
+    """Read ``folder/scene.json``.
+
+    Raises:
+        InputError: If it is missing or malformed.
+    """
+    path = folder / "scene.json"
+    return validated(Scene, read_yaml(path), str(path))
+
+
+def save_points(points: Points, folder: Path) -> None:
+    """Write ``folder/points.npz``."""
+    with (
+        atomic_path(folder / "points.npz") as path,
+        path.open("wb") as stream,
+    ):
+        np.savez(stream, xyz=points.xyz, rgb=points.rgb)
+
+
+def load_points(folder: Path) -> Points:
+    """Read ``folder/points.npz``.
+
+    Raises:
+        InputError: If it is missing.
+    """
+    path = folder / "points.npz"
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; import the scene again")
+    with np.load(path) as arrays:
+        return Points(arrays["xyz"], arrays["rgb"])
+
+
+def _name(view: View) -> str:
+    return view.name

@@ -1,0 +1,24 @@
+"""What a user may set, validated: config.yaml, train.yaml, variants.yaml. Unknown keys fail."""
+
+from r3gw.settings.config import (
+    Config,
+    NerfOsrScene,
+    PhotosScene,
+    SceneSettings,
+    SyntheticScene,
+    load_config,
+    run_settings,
+)
+from r3gw.settings.train import TrainSettings, load_train_settings
+
+__all__ = [
+    "Config",
+    "NerfOsrScene",
+    "PhotosScene",
+    "SceneSettings",
+    "SyntheticScene",
+    "TrainSettings",
+    "load_config",
+    "load_train_settings",
+    "run_settings",
+]

@@ -1,0 +1,126 @@
+"""config/config.yaml: which scenes, variants and seeds a workflow run covers."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from r3gw.files import InputError
+from r3gw.settings.train import TrainSettings
+from r3gw.settings.validation import Strict, read_yaml, validated
+
+SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
+
+
+class SyntheticScene(Strict):
+    """A scene of the embedded benchmark, made by the project itself."""
+
+    format: Literal["synthetic"]
+    building: str
+    seed: int = Field(0, ge=0)
+    width_px: int = Field(240, ge=16)
+    height_px: int = Field(180, ge=16)
+    train_views: int = Field(20, ge=2)
+    test_views: int = Field(4, ge=1)
+    samples: int = Field(32, ge=1)
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(None, gt=0)
+    sky_masks: Literal["given", "classical", "given-or-classical"] = "given"
+
+
+class NerfOsrScene(Strict):
+    """A NeRF-OSR scene as LumiGauss prepared it (docs/data.md)."""
+
+    format: Literal["nerf-osr"]
+    path: str
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(None, gt=0)
+    sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
+
+
+class PhotosScene(Strict):
+    """A folder of anybody's photos."""
+
+    format: Literal["photos"]
+    path: str
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(10.0, gt=0)
+    matching: Literal["exhaustive", "sequential"] = "exhaustive"
+    sky_masks: Literal["classical"] = "classical"
+
+
+SceneSettings = Annotated[
+    SyntheticScene | NerfOsrScene | PhotosScene, Field(discriminator="format")
+]
+
+
+class AblationSettings(Strict):
+    """What ``snakemake ablations`` covers."""
+
+    variants: list[str] = Field(min_length=1)
+    seeds: list[int] = Field(min_length=1)
+
+
+class Config(Strict):
+    """The whole of config.yaml.
+
+    ``train`` holds changes to config/train.yaml that every variant of this run shares.
+    """
+
+    scenes: dict[SceneName, SceneSettings] = Field(min_length=1)
+    variants: list[str] = Field(min_length=1)
+    seeds: list[int] = Field(min_length=1)
+    ablations: AblationSettings
+    train: dict[str, Any] = Field(default_factory=dict)
+
+
+def load_config(values: Mapping[str, Any], source: str = "config") -> Config:
+    """Validate the contents of config.yaml.
+
+    Raises:
+        InputError: On the first unknown key, missing key or wrong value.
+    """
+    return validated(Config, values, source)
+
+
+def parse_scene(values: Mapping[str, Any], source: str) -> SceneSettings:
+    """Validate one entry of ``scenes``.
+
+    Raises:
+        InputError: On the first unknown key, missing key or wrong value.
+    """
+    try:
+        scene: SceneSettings = TypeAdapter(SceneSettings).validate_python(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise InputError(f"{source}: scene entry, key '{key}': {first['msg']}") from None
+    return scene
+
+
+def run_settings(
+    config: Config, variant: str, seed: int, *, train_file: Path, variants_file: Path
+) -> TrainSettings:
+    """Resolve one run: train.yaml, then the config's ``train``, then the variant, then the seed.
+
+    Raises:
+        InputError: If the variant is unknown or any resolved key is unknown or out of range.
+    """
+    variants = read_yaml(variants_file)
+    if variant not in variants:
+        known = ", ".join(variants)
+        raise InputError(f"{variants_file}: no variant named '{variant}'; there are: {known}")
+    values = read_yaml(train_file)
+    for changes in (config.train, variants[variant] or {}, {"seed": seed}):
+        values = _merged(values, changes)
+    return validated(TrainSettings, values, f"settings of variant '{variant}'")
+
+
+def _merged(base: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return ``base`` with ``changes`` on top, group by group."""
+    result = dict(base)
+    for key, value in changes.items():
+        old = result.get(key)
+        result[key] = _merged(old, value) if isinstance(old, dict) else value
+    return result
