@@ -1,0 +1,1 @@
+"""The scene model: foreground Gaussians, sky Gaussians, per-photo appearance, rendering."""

@@ -1,0 +1,69 @@
+"""Per-photo light and sky colour: an embedding and an MLP (paper, Eq. 3 and appendix)."""
+
+from math import pi, sqrt
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+
+from r3gw.gaussians.sky import SKY_DEGREE
+from r3gw.lighting import sh
+from r3gw.settings.train import ModelSettings
+
+
+class Appearance(nn.Module):
+    """Maps a training photo's index to its environment light and its sky coefficients."""
+
+    def __init__(
+        self,
+        num_photos: int,
+        settings: ModelSettings,
+        light_radiance: float,
+        generator: torch.Generator,
+    ) -> None:
+        """Start at uniform light of ``light_radiance`` with small random variation."""
+        super().__init__()
+        hidden = settings.hidden_size
+        self.light_noise = settings.light_noise
+        self.embedding = nn.Parameter(
+            torch.randn(num_photos, settings.embedding_size, generator=generator)
+        )
+        self.trunk = nn.Sequential(
+            nn.Linear(settings.embedding_size, hidden),
+            nn.ReLU(),
+            nn.Dropout(settings.dropout),
+            nn.Linear(hidden, hidden),
+            nn.ReLU(),
+            nn.Linear(hidden, hidden),
+            nn.ReLU(),
+        )
+        self.sky_head = nn.Linear(hidden, 3 * sh.num_coefficients(SKY_DEGREE))
+        self.light_head = nn.Sequential(
+            nn.Linear(hidden, settings.light_hidden_size),
+            nn.ReLU(),
+            nn.Linear(settings.light_hidden_size, 3 * sh.num_coefficients(settings.light_degree)),
+        )
+        self._initialise(light_radiance, generator)
+
+    @torch.no_grad()
+    def _initialise(self, light_radiance: float, generator: torch.Generator) -> None:
+        for layer in self.modules():
+            if isinstance(layer, nn.Linear):
+                nn.init.kaiming_uniform_(layer.weight, a=sqrt(5), generator=generator)
+                layer.bias.zero_()
+        last = self.light_head[-1]
+        assert isinstance(last, nn.Linear)  # for the type checker
+        last.bias[:3] = light_radiance * sqrt(4 * pi)
+
+    def forward(self, photo: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
+        """Light ``[(degree+1)**2, 3]`` and sky ``[4, 3]`` of one training photo, without noise."""
+        features = self.trunk(self.embedding[photo])
+        light: Tensor = self.light_head(features)
+        sky: Tensor = self.sky_head(features)
+        return light.unflatten(-1, (-1, 3)), sky.unflatten(-1, (-1, 3))
+
+    def noisy(
+        self, light: Float[Tensor, "coeff 3"], generator: torch.Generator
+    ) -> Float[Tensor, "coeff 3"]:
+        """Add the training noise to light coefficients."""
+        return light + self.light_noise * torch.randn(light.shape, generator=generator)

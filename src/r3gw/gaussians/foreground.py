@@ -1,0 +1,70 @@
+"""Foreground Gaussians: geometry, albedo and roughness, stored before their activations."""
+
+import torch
+from jaxtyping import Bool, Float
+from scipy.spatial import cKDTree
+from torch import Tensor
+
+from r3gw.gaussians.rows import Rows
+from r3gw.geometry.rotations import rotation_from_quaternion
+from r3gw.settings.train import InitSettings
+from r3gw.shading.cook_torrance import face_camera
+
+PREFIX = "foreground."
+
+
+def initial_foreground(xyz: Float[Tensor, "n 3"], init: InitSettings) -> Rows:
+    """Gaussians at the sparse points (method 8): isotropic, random-free, uniform material."""
+    count = len(xyz)
+    opacity = torch.full((count,), init.opacity)
+    return Rows(
+        PREFIX,
+        {
+            "means": xyz.clone(),
+            "log_scales": initial_log_scales(xyz),
+            "quaternions": torch.tensor([1.0, 0.0, 0.0, 0.0]).repeat(count, 1),
+            "opacity_logits": torch.logit(opacity),
+            "albedo_logits": torch.logit(torch.full((count, 3), init.albedo)),
+            "roughness_logits": torch.logit(torch.full((count,), init.roughness)),
+        },
+    )
+
+
+def initial_log_scales(xyz: Float[Tensor, "n 3"]) -> Float[Tensor, "n 3"]:
+    """Log of the mean distance to the 3 nearest neighbours, the same for all axes.
+
+    Fewer than 4 points take what neighbours there are; a lone point gets scale 0.1.
+    """
+    neighbours = min(3, len(xyz) - 1)
+    if neighbours < 1:
+        return torch.full((len(xyz), 3), 0.1).log()
+    points = xyz.double().numpy()
+    distances = cKDTree(points).query(points, k=neighbours + 1)[0][:, 1:]
+    mean = torch.from_numpy(distances.mean(axis=1)).float().clamp_min(1e-6)
+    return mean.log()[:, None].repeat(1, 3)
+
+
+def shortest_axes(
+    quaternions: Float[Tensor, "n 4"], log_scales: Float[Tensor, "n 3"]
+) -> Float[Tensor, "n 3"]:
+    """Unit normals: the rotation's column of the smallest scale (Sec. 4.2); sign arbitrary."""
+    rotations = rotation_from_quaternion(quaternions)
+    shortest = log_scales.detach().argmin(dim=-1)
+    return rotations.gather(2, shortest[:, None, None].expand(-1, 3, 1)).squeeze(-1)
+
+
+def facing_normals(rows: Rows, to_camera: Float[Tensor, "n 3"]) -> Float[Tensor, "n 3"]:
+    """Normals of all foreground Gaussians, turned towards the camera."""
+    return face_camera(shortest_axes(rows["quaternions"], rows["log_scales"]), to_camera)
+
+
+def directions_to(
+    means: Float[Tensor, "n 3"], camera_centre: Float[Tensor, "3"]
+) -> Float[Tensor, "n 3"]:
+    """Unit vectors from Gaussians to the camera."""
+    return torch.nn.functional.normalize(camera_centre.to(means) - means, dim=-1)
+
+
+def too_large(log_scales: Float[Tensor, "n 3"], limit: float) -> Bool[Tensor, "n"]:
+    """True where a Gaussian's largest scale exceeds ``limit`` (world units)."""
+    return log_scales.detach().exp().amax(dim=-1) > limit

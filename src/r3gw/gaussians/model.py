@@ -1,0 +1,114 @@
+"""The whole learned scene and its file, ``model.pt``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import nn
+
+from r3gw.files import InputError, atomic_path
+from r3gw.gaussians.appearance import Appearance
+from r3gw.gaussians.foreground import initial_foreground
+from r3gw.gaussians.initial import InitialPoints
+from r3gw.gaussians.rows import Rows
+from r3gw.gaussians.sky import Sky, SkyDome
+from r3gw.settings import TrainSettings
+
+FILE_VERSION = 1
+
+
+@dataclass
+class SceneModel:
+    """A relightable scene.
+
+    Attributes:
+        foreground: Rows ``means, log_scales, quaternions, opacity_logits, albedo_logits,
+            roughness_logits``.
+        sky: Sky Gaussians; empty for a single-set model.
+        appearance: Light and sky colour per training photo.
+        photos: Names of the training photos, in the order of the embedding.
+        settings: The settings of the run.
+    """
+
+    foreground: Rows
+    sky: Sky
+    appearance: Appearance
+    photos: tuple[str, ...]
+    settings: TrainSettings
+
+    @property
+    def num_gaussians(self) -> int:
+        """Foreground and sky together."""
+        return len(self.foreground) + len(self.sky.rows)
+
+
+def initial_model(
+    initial: InitialPoints, photos: tuple[str, ...], settings: TrainSettings
+) -> SceneModel:
+    """Build the model that training starts from."""
+    generator = torch.Generator().manual_seed(settings.seed)
+    dome, points, angles = initial.dome, initial.foreground, initial.sky_angles
+    if not settings.model.separate_sky:
+        points = torch.cat([points, initial.sky_points()])
+        angles = angles[:0]
+    appearance = Appearance(len(photos), settings.model, settings.init.light_radiance, generator)
+    return SceneModel(
+        initial_foreground(points, settings.init),
+        Sky(dome, angles, settings.init.opacity),
+        appearance,
+        photos,
+        settings,
+    )
+
+
+def save_model(model: SceneModel, path: Path) -> None:
+    """Write the model atomically."""
+    content = {
+        "version": FILE_VERSION,
+        "foreground": model.foreground.state_dict(),
+        "sky": model.sky.state_dict(),
+        "appearance": model.appearance.state_dict(),
+        "photos": list(model.photos),
+        "settings": model.settings.model_dump(mode="json"),
+    }
+    with atomic_path(path) as temporary:
+        torch.save(content, temporary)
+
+
+def load_model(path: Path) -> SceneModel:
+    """Read a model written by `save_model`.
+
+    Raises:
+        InputError: If the file is missing or of another version.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such model; train the scene first")
+    content: dict[str, Any] = torch.load(path, weights_only=True)
+    if content.get("version") != FILE_VERSION:
+        raise InputError(
+            f"{path}: model file version {content.get('version')}, but this r3gw reads "
+            f"version {FILE_VERSION}; train the scene again"
+        )
+    settings = TrainSettings.model_validate(content["settings"])
+    photos = tuple(content["photos"])
+    foreground = Rows("foreground.", _values(content["foreground"]))
+    sky_state = content["sky"]
+    dome = SkyDome(sky_state["centre"], float(sky_state["radius"]), (0.0, 0.0))
+    sky = Sky(dome, sky_state["rows.values.angles"], 0.5)
+    sky.load_state_dict(sky_state)
+    appearance = Appearance(
+        len(photos), settings.model, settings.init.light_radiance, torch.Generator()
+    )
+    appearance.load_state_dict(content["appearance"])
+    appearance.eval()
+    return SceneModel(foreground, sky, appearance, photos, settings)
+
+
+def _values(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    return {name.removeprefix("values."): value for name, value in state.items()}
+
+
+def modules(model: SceneModel) -> tuple[nn.Module, nn.Module, nn.Module]:
+    """The model's parts as torch modules."""
+    return model.foreground, model.sky, model.appearance

@@ -1,0 +1,133 @@
+// Sixteen float lanes: one 4x4 pixel block, or sixteen Gaussians, per value.
+//
+// Lanes is a GCC/Clang vector type, so arithmetic is written with plain operators and compiles for
+// any machine: one AVX-512 register, two AVX or four SSE registers. Only what the operators cannot
+// say (fused multiply-add, masks as bits) has one branch per instruction set.
+//
+// The build uses -ffp-contract=off, so a product and a sum fuse exactly where fma() is written.
+// Forward and backward pass therefore compute bit-identical alphas and take the same decisions.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#if defined(__AVX512F__) || defined(__FMA__) || defined(__AVX__)
+#include <immintrin.h>
+#endif
+
+namespace r3gw {
+
+constexpr int kLanes = 16;
+using Lanes = float __attribute__((vector_size(4 * kLanes)));
+using IntLanes = std::int32_t __attribute__((vector_size(4 * kLanes)));
+
+#define R3GW_INLINE inline __attribute__((always_inline))
+
+R3GW_INLINE Lanes splat(float value) { return Lanes{} + value; }
+R3GW_INLINE IntLanes as_int(Lanes value) { return reinterpret_cast<IntLanes>(value); }
+R3GW_INLINE Lanes as_float(IntLanes value) { return reinterpret_cast<Lanes>(value); }
+
+R3GW_INLINE Lanes load(const float* source) {
+  Lanes value;
+  std::memcpy(&value, source, sizeof value);
+  return value;
+}
+R3GW_INLINE void store(float* target, Lanes value) { std::memcpy(target, &value, sizeof value); }
+
+constexpr IntLanes kLaneIndex = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+#if defined(__AVX512F__)
+
+using Mask = __mmask16;
+R3GW_INLINE Mask greater_equal(Lanes a, Lanes b) {
+  return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_GE_OQ);
+}
+R3GW_INLINE Mask bit_set(IntLanes a, IntLanes b) {
+  return _mm512_test_epi32_mask((__m512i)a, (__m512i)b);
+}
+R3GW_INLINE Lanes keep(Mask mask, Lanes a) { return (Lanes)_mm512_maskz_mov_ps(mask, (__m512)a); }
+R3GW_INLINE std::uint32_t bits(Mask mask) { return mask; }
+R3GW_INLINE Mask both(Mask a, Mask b) { return _kand_mask16(a, b); }
+R3GW_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) {
+  return (Lanes)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
+}
+R3GW_INLINE Lanes minus_product(Lanes c, Lanes a, Lanes b) {
+  return (Lanes)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
+}
+R3GW_INLINE Lanes square_root(Lanes a) { return (Lanes)_mm512_sqrt_ps((__m512)a); }
+
+#else
+
+using Mask = IntLanes;  // All ones where true.
+R3GW_INLINE Mask greater_equal(Lanes a, Lanes b) { return a >= b; }
+R3GW_INLINE Mask bit_set(IntLanes a, IntLanes b) { return (a & b) != 0; }
+R3GW_INLINE Lanes keep(Mask mask, Lanes a) { return as_float(mask & as_int(a)); }
+R3GW_INLINE Mask both(Mask a, Mask b) { return a & b; }
+R3GW_INLINE std::uint32_t bits(Mask mask) {
+#if defined(__AVX__)
+  __m256 halves[2];
+  std::memcpy(halves, &mask, sizeof mask);
+  return _mm256_movemask_ps(halves[0]) | _mm256_movemask_ps(halves[1]) << 8;
+#else
+  std::uint32_t result = 0;
+  for (int lane = 0; lane < kLanes; ++lane) result |= (mask[lane] & 1u) << lane;
+  return result;
+#endif
+}
+R3GW_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) {
+#if defined(__FMA__)
+  __m256 x[2], y[2], z[2];
+  std::memcpy(x, &a, sizeof a);
+  std::memcpy(y, &b, sizeof b);
+  std::memcpy(z, &c, sizeof c);
+  for (int half = 0; half < 2; ++half) z[half] = _mm256_fmadd_ps(x[half], y[half], z[half]);
+  Lanes result;
+  std::memcpy(&result, z, sizeof result);
+  return result;
+#else
+  return a * b + c;
+#endif
+}
+R3GW_INLINE Lanes minus_product(Lanes c, Lanes a, Lanes b) { return fma(-a, b, c); }
+R3GW_INLINE Lanes square_root(Lanes a) {
+  for (int lane = 0; lane < kLanes; ++lane) a[lane] = std::sqrt(a[lane]);
+  return a;
+}
+
+#endif
+
+// NaN in `a` gives `b`, as the hardware's min and max do.
+R3GW_INLINE Lanes minimum(Lanes a, Lanes b) { return a < b ? a : b; }
+R3GW_INLINE Lanes maximum(Lanes a, Lanes b) { return a > b ? a : b; }
+R3GW_INLINE Lanes clamp(Lanes a, Lanes low, Lanes high) {
+  return minimum(maximum(a, low), high);
+}
+
+// 2^x for x in [-126, 127], relative error 2.6e-6 (minimax polynomial on [-1/2, 1/2]).
+// Outside that range the result is meaningless; the caller masks it.
+R3GW_INLINE Lanes exp2_lanes(Lanes x) {
+  constexpr float kRound = 12582912.0f;  // 1.5 * 2^23: adding it rounds to an integer.
+  const Lanes shifted = x + kRound;
+  const Lanes fraction = x - (shifted - kRound);
+  Lanes value = splat(0.0095700998f);
+  value = fma(value, fraction, splat(0.055917860f));
+  value = fma(value, fraction, splat(0.24024745f));
+  value = fma(value, fraction, splat(0.69312181f));
+  value = fma(value, fraction, splat(0.99999926f));
+  return as_float(as_int(value) + (as_int(shifted) << 23));
+}
+
+// log2(x) for normal x > 0, absolute error 2e-7 beside the rounding of the exponent's sum.
+R3GW_INLINE Lanes log2_lanes(Lanes x) {
+  constexpr std::int32_t kSqrtHalf = 0x3f3504f3;  // sqrt(1/2): the mantissa lies in [it, 2*it).
+  const IntLanes offset = as_int(x) - kSqrtHalf;
+  const IntLanes exponent = offset >> 23;
+  const Lanes m = as_float(as_int(x) - (exponent << 23)) - 1.0f;
+  constexpr float kSeries[] = {-0.20893391f, 0.21521226f, -0.23867567f, 0.28793909f,
+                               -0.36071626f, 0.48091028f, -0.72134720f, 1.44269500f};
+  Lanes value = splat(0.12926437f);
+  for (float coefficient : kSeries) value = fma(value, m, splat(coefficient));
+  return fma(value, m, __builtin_convertvector(exponent, Lanes));
+}
+
+}  // namespace r3gw

@@ -1,0 +1,220 @@
+"""Sessions of light and their environment maps: Hosek-Wilkie sun and sky, clouds, overcast.
+
+A map is linear RGB ``[H, 2H, 3]`` in this project's convention (r3gw.lighting.envmap). Sky and sun
+are Mitsuba's `sunsky` model (Hosek and Wilkie 2012, 2013) times `SKY_SCALE`; an overcast sky is the
+CIE standard overcast sky (CIE S 011) mixed in; the lower half is a Lambertian ground lit by the
+upper half. The sun's energy lies in the four pixels around its direction, so it is about 1.4
+degrees wide instead of 0.53, with its irradiance kept.
+"""
+
+from dataclasses import dataclass
+from math import cos, pi, radians, sin
+
+import cv2
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from r3gw.geometry.cameras import UP
+from r3gw.lighting.envmap import pixel_angles, pixel_directions
+from r3gw.synthetic.textures import noise
+
+Map = NDArray[np.float64]
+
+HEIGHT_PX = 256
+SKY_SCALE = 10.0
+GROUND_ALBEDO = np.array([0.24, 0.23, 0.2])
+
+
+@dataclass(frozen=True)
+class Session:
+    """The light of one visit.
+
+    Attributes:
+        name: Date and time as in NeRF-OSR, ``dd-mm_hh_mm``.
+        sun_azimuth_deg: World azimuth; 0 is +z (behind the building), 90 is +x (right of it).
+        sun_elevation_deg: Above the horizon.
+        turbidity: Haze, 1 to 10.
+        overcast: Share of a closed cloud cover, 0 to 1; it hides the sun and greys the sky.
+        clouds: Cover of separate clouds, 0 to 1.
+        is_test: Whether its photos are test views.
+    """
+
+    name: str
+    sun_azimuth_deg: float
+    sun_elevation_deg: float
+    turbidity: float
+    overcast: float
+    clouds: float
+    is_test: bool = False
+
+    @property
+    def sun_direction(self) -> NDArray[np.float64]:
+        """Unit vector towards the sun, in world axes."""
+        azimuth, elevation = radians(self.sun_azimuth_deg), radians(self.sun_elevation_deg)
+        level = cos(elevation)
+        return np.array([level * sin(azimuth), -sin(elevation), level * cos(azimuth)])
+
+
+def solid_angles(height: int) -> Map:
+    """Solid angle of each pixel ``[H, 2H, 1]`` of a map, in steradian."""
+    edges = np.cos(np.linspace(0.0, pi, height + 1))
+    rows = (edges[:-1] - edges[1:]) * pi / height
+    return np.repeat(rows[:, None, None], 2 * height, axis=1)
+
+
+def environment(session: Session, random: np.random.Generator, height: int = HEIGHT_PX) -> Map:
+    """Draw the linear map of a session, in relative radiance."""
+    directions = pixel_directions(height, 2 * height).numpy()
+    is_up = directions[..., 1] < 0
+    sky = _clear_sky(session, height)
+    sky *= is_up[..., None]
+    weight = solid_angles(height) * np.maximum(-directions[..., 1:2], 0)
+    sun = _sun_irradiance(session)
+    level = (sky * weight).sum((0, 1)) + sun * sin(radians(session.sun_elevation_deg))
+    sky = _with_clouds(sky, session, random, directions, level)
+    closed = _overcast(directions, level, session.overcast)
+    share = session.overcast
+    light = (sky * (1 - share) + closed * share) * is_up[..., None]
+    light = light + _splat(sun * (1 - share) ** 2 * (1 - 0.25 * session.clouds), session, height)
+    ground = GROUND_ALBEDO / pi * (light * weight).sum((0, 1))
+    return np.where(is_up[..., None], light, ground)
+
+
+def _sky_model(session: Session, sky: float, sun: float) -> mi.Emitter:
+    """Mitsuba's emitter with its zenith (+z) turned to the world's up (-y)."""
+    upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
+    direction = session.sun_direction
+    return mi.load_dict(
+        {
+            "type": "sunsky",
+            "sun_direction": [float(x) for x in direction],
+            "turbidity": session.turbidity,
+            "albedo": {"type": "rgb", "value": [float(x) for x in GROUND_ALBEDO]},
+            "sky_scale": sky,
+            "sun_scale": sun,
+            "to_world": upright,
+        }
+    )
+
+
+def _evaluate(emitter: mi.Emitter, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Radiance ``[N, 3]`` from directions ``[N, 3]``."""
+    interaction = mi.SurfaceInteraction3f()
+    values = np.empty_like(directions)
+    for i, (x, y, z) in enumerate(-directions):
+        interaction.wi = mi.Vector3f(float(x), float(y), float(z))
+        values[i] = emitter.eval(interaction)
+    return values
+
+
+def _clear_sky(session: Session, height: int) -> Map:
+    """The sky without the sun's disc; the lower half is 0."""
+    model = _sky_model(session, SKY_SCALE, 0.0)
+    upper = pixel_directions(height, 2 * height).numpy()[: height // 2]
+    values = _evaluate(model, upper.reshape(-1, 3)).reshape(upper.shape)
+    return np.concatenate([np.maximum(values, 0.0), np.zeros_like(values)])
+
+
+def _sun_irradiance(session: Session) -> NDArray[np.float64]:
+    """Irradiance of the sun's disc on a plane that faces it: its radiance over rings of the disc."""
+    model = _sky_model(session, 0.0, SKY_SCALE)
+    radius, rings = radians(0.5358 / 2), 24
+    towards = session.sun_direction
+    level = np.cross(towards, UP)
+    level /= np.linalg.norm(level)
+    turns = (np.arange(rings) + 0.5) / rings * radius
+    points = towards * np.cos(turns)[:, None] + level * np.sin(turns)[:, None]
+    area = 2 * pi * np.sin(turns) * radius / rings
+    return np.maximum((_evaluate(model, points) * area[:, None]).sum(axis=0), 0.0)
+
+
+def _overcast(directions: Map, level: NDArray[np.float64], share: float) -> Map:
+    """CIE standard overcast sky, (1 + 2 cos) / 3 of the zenith, dimmer the more it is closed."""
+    dimmed = level.mean() * (0.75 - 0.5 * share) * np.array([0.97, 1.0, 1.05])
+    zenith = dimmed * 9 / (7 * pi)  # The gradient's irradiance is 7 pi / 9 of its zenith
+    height = np.maximum(-directions[..., 1:2], 0)
+    return zenith * (1 + 2 * height) / 3
+
+
+def _with_clouds(
+    sky: Map,
+    session: Session,
+    random: np.random.Generator,
+    directions: Map,
+    level: NDArray[np.float64],
+) -> Map:
+    """Separate clouds: noise on a layer above, bright towards the sun, thin towards the horizon."""
+    field = cv2.GaussianBlur(noise(random, 1.45).astype(np.float32), (0, 0), 1.0)
+    streak = noise(random, 1.2, (1.0, 0.4)).astype(np.float32)
+    height = np.maximum(-directions[..., 1], 0.02)
+    scale = 34.0 / (height + 0.12)
+    x = np.mod(directions[..., 0] * scale, field.shape[1] - 1).astype(np.float32)
+    y = np.mod(directions[..., 2] * scale, field.shape[0] - 1).astype(np.float32)
+    density = cv2.remap(field + 0.35 * streak, x, y, cv2.INTER_LINEAR)
+    threshold = 1.6 - 2.6 * session.clouds
+    cover = np.clip((density - threshold) / 1.1, 0, 1) ** 0.8
+    cover = cover * min(1.0, 3.0 * session.clouds)
+    cover = (cover * np.clip(height / 0.12, 0.25, 1))[..., None] * 0.85
+    towards = np.clip(directions @ session.sun_direction, 0, 1)[..., None]
+    shade = np.clip(1.15 - 0.28 * (density[..., None] - threshold), 0.55, 1.1)
+    white = level / pi * (0.5 + 0.7 * towards**3) * shade
+    return sky * (1 - cover) + white * cover
+
+
+def _splat(irradiance: NDArray[np.float64], session: Session, height: int) -> Map:
+    """The sun as the bilinear footprint of its direction: exact irradiance and exact place."""
+    theta = pi / 2 - radians(session.sun_elevation_deg)
+    turn = (radians(session.sun_azimuth_deg) / (2 * pi) + 0.5) % 1.0
+    row, column = theta / pi * height - 0.5, turn * 2 * height - 0.5
+    light = np.zeros((height, 2 * height, 3))
+    for i, share_down in ((int(np.floor(row)), 1 - row % 1), (int(np.floor(row)) + 1, row % 1)):
+        for j, share in (
+            (int(np.floor(column)), 1 - column % 1),
+            (int(np.floor(column)) + 1, column % 1),
+        ):
+            light[i, j % (2 * height)] += irradiance * share_down * share
+    return light / solid_angles(height)
+
+
+def phone_panorama(light: Map, yaw_rad: float) -> NDArray[np.float32]:
+    """What a 360 degree phone camera would save: display values, clipped sun with bloom, turned.
+
+    Args:
+        light: The session's linear map.
+        yaw_rad: The phone's own heading: the picture's azimuth ``psi`` shows the world's azimuth
+            ``psi + yaw``; the picture is turned by the nearest whole pixel (`whole_pixel_yaw`).
+    """
+    bright = light.mean(axis=2)
+    exposure = 0.32 / np.exp(np.log(bright + 1e-6).mean())
+    exposed = light * exposure
+    spill = np.minimum(exposed, 400.0) - np.minimum(exposed, 1.5)
+    bloom = np.zeros_like(exposed)
+    for sigma, share in ((1.2, 0.5), (5.0, 0.35), (16.0, 0.15)):
+        padded = np.concatenate([spill[:, -64:], spill, spill[:, :64]], axis=1)
+        bloom += share * cv2.GaussianBlur(padded, (0, 0), sigma)[:, 64:-64]
+    picture = np.clip(np.minimum(exposed, 1.5) + bloom, 0.0, 1.0) ** (1 / 2.2)
+    shift = round(yaw_rad / (2 * pi) * light.shape[1])
+    return np.roll(picture, -shift, axis=1).astype(np.float32)
+
+
+def whole_pixel_yaw(yaw_rad: float, height: int = HEIGHT_PX) -> float:
+    """The yaw that `phone_panorama` really applies."""
+    return round(yaw_rad / (2 * pi) * 2 * height) * pi / height
+
+
+def published_sun_angle(session: Session, yaw_rad: float) -> float:
+    """Sweep angle at which the published mirrored mapping puts the picture's sun right.
+
+    The published mapping shows azimuth ``phi = 2 pi u`` of the picture at the world direction
+    ``(-cos(phi + angle), ., -sin(phi + angle))`` (x and z), so ``phi + angle`` must be
+    ``-pi/2 - azimuth`` of the true sun. The angle is given in [-pi, pi).
+
+    Args:
+        session: Gives the true sun.
+        yaw_rad: The phone's heading that was applied.
+    """
+    azimuth = radians(session.sun_azimuth_deg)
+    phi = azimuth - yaw_rad + pi  # psi = 2 pi (u - 0.5)
+    angle = -pi / 2 - azimuth - phi
+    return (angle + pi) % (2 * pi) - pi
