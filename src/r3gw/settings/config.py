@@ -111,6 +111,11 @@ def run_settings(
     if variant not in variants:
         known = ", ".join(variants)
         raise InputError(f"{variants_file}: no variant named '{variant}'; there are: {known}")
+    if "sky" in (variants[variant] or {}):
+        raise InputError(
+            f"{variants_file}: variant '{variant}' changes 'sky', but all runs of a scene share "
+            "their initial points; change 'sky' under 'train' in config.yaml"
+        )
     values = read_yaml(train_file)
     for changes in (config.train, variants[variant] or {}, {"seed": seed}):
         values = _merged(values, changes)

@@ -1,0 +1,28 @@
+# r3gw: photos or a dataset -> SfM import -> masks -> sky initialisation -> training ->
+# evaluation -> tables and figures. `snakemake --cores 2 all` makes results/table1.csv;
+# `snakemake --cores 2 ablations` makes results/ablations.csv.
+from snakemake.utils import min_version
+
+min_version("9.0")
+
+
+configfile: "config/config.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/scenes.smk"
+include: "workflow/rules/train.smk"
+include: "workflow/rules/evaluate.smk"
+include: "workflow/rules/report.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        "results/table1.csv",
+        collect("results/figures/{scene}_views.png", scene=SCENES),
+
+
+rule ablations:
+    input:
+        "results/ablations.csv",

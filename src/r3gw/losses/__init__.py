@@ -1,0 +1,1 @@
+"""The losses of the paper (Eq. 12-17), each a function of tensors."""

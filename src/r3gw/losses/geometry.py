@@ -1,0 +1,42 @@
+"""Normal consistency (Eq. 13) and flatness (Eq. 14) of the foreground."""
+
+import torch
+from jaxtyping import Bool, Float
+from torch import Tensor
+
+from r3gw.geometry.cameras import Camera, pixel_rays
+
+
+def normals_from_depth(depth: Float[Tensor, "h w"], camera: Camera) -> Float[Tensor, "h w 3"]:
+    """Unit world normals that face the camera, by central differences of back-projected depth.
+
+    Border pixels use one-sided differences. The gradient reaches the depth.
+
+    Args:
+        depth: Camera z, world units.
+        camera: The view; its true intrinsics are used.
+    """
+    points = pixel_rays(camera) * depth[..., None]
+    down, right = torch.gradient(points, dim=(0, 1))
+    # In camera axes (y down, z forward) down x right points back at the camera.
+    normals = torch.nn.functional.normalize(torch.cross(down, right, dim=-1), dim=-1, eps=1e-12)
+    world_from_cam = camera.cam_from_world[:3, :3].T.to(normals.dtype)
+    return normals @ world_from_cam.T
+
+
+def normal_loss(
+    rendered: Float[Tensor, "h w 3"],
+    from_depth: Float[Tensor, "h w 3"],
+    is_foreground: Bool[Tensor, "h w"],
+) -> Float[Tensor, ""]:
+    """Mean of ``1 - N_rendered . N_depth`` over foreground pixels; 0 if there are none."""
+    mismatch = 1 - (rendered * from_depth).sum(-1)
+    return torch.where(is_foreground, mismatch, 0.0).sum() / is_foreground.sum().clamp_min(1)
+
+
+def scale_loss(
+    log_scales: Float[Tensor, "n 3"], is_visible: Bool[Tensor, "n"]
+) -> Float[Tensor, ""]:
+    """Mean smallest scale of the visible foreground, world units; 0 if nothing is visible."""
+    smallest = log_scales.exp().amin(dim=-1)
+    return torch.where(is_visible, smallest, 0.0).sum() / is_visible.sum().clamp_min(1)

@@ -1,0 +1,1 @@
+"""Training one scene: photos in memory, schedule, optimizer, loop, history."""

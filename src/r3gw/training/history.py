@@ -1,0 +1,64 @@
+"""history.csv: what a training did, a row every few iterations."""
+
+import time
+from pathlib import Path
+
+import pandas as pd
+import torch
+
+from r3gw.files import atomic_path
+from r3gw.gaussians.compose import Rendering
+from r3gw.gaussians.model import SceneModel
+from r3gw.training.photos import Photo
+
+ROWS = 200
+PARTS = ("reconstruction", "separation", "light", "normal", "scale", "sky_depth")
+
+
+class History:
+    """Collects rows and writes them at the end."""
+
+    def __init__(self, iterations: int) -> None:
+        """Plan about `ROWS` rows over ``iterations``."""
+        self.interval = max(1, iterations // ROWS)
+        self.start = time.perf_counter()
+        self.rows: list[dict[str, float]] = []
+
+    def is_due(self, iteration: int) -> bool:
+        """Whether this iteration gets a row."""
+        return iteration % self.interval == 0 or iteration == 1
+
+    def add(
+        self,
+        iteration: int,
+        model: SceneModel,
+        photo: Photo,
+        rendering: Rendering,
+        parts: dict[str, torch.Tensor],
+    ) -> dict[str, float]:
+        """Record one iteration and return its row; losses that do not act are 0."""
+        row: dict[str, float] = {
+            "iteration": iteration,
+            "seconds": time.perf_counter() - self.start,
+            "loss": float(sum(float(part.detach()) for part in parts.values())),
+            "psnr": photo_psnr(rendering, photo),
+            "num_foreground": len(model.foreground),
+            "num_sky": len(model.sky.rows),
+            "sky_radius": float(model.sky.radius.detach()),
+        }
+        for name in PARTS:
+            row[f"loss_{name}"] = float(parts[name].detach()) if name in parts else 0.0
+        self.rows.append(row)
+        return row
+
+    def write(self, path: Path) -> None:
+        """Write all rows as CSV, atomically."""
+        with atomic_path(path) as temporary:
+            pd.DataFrame(self.rows).to_csv(temporary, index=False, float_format="%.6g")
+
+
+@torch.no_grad()
+def photo_psnr(rendering: Rendering, photo: Photo) -> float:
+    """PSNR in dB over the valid pixels of a training photo, sky included."""
+    error = (rendering.colour.clamp(0, 1) - photo.target()).square()[photo.is_valid]
+    return float(-10 * torch.log10(error.mean() + 1e-6))

@@ -1,0 +1,50 @@
+"""Adam over every parameter of the model, one named group each (method 8)."""
+
+import torch
+
+from r3gw.gaussians.model import SceneModel
+from r3gw.training.schedule import Schedule
+
+EPSILON = 1e-15
+POSITIONS = ("foreground.means", "sky.angles")
+
+
+def make_optimizer(model: SceneModel) -> torch.optim.Adam:
+    """Adam with the settings' learning rates; ``group["name"]`` says what a group trains."""
+    rates = model.settings.rates
+    slow = rates.short_run_boost
+    by_name = {
+        "foreground.means": rates.position_first * rates.spatial_scale,
+        "foreground.albedo_logits": rates.albedo * slow,
+        "foreground.roughness_logits": rates.roughness * slow,
+        "sky.angles": rates.position_first * rates.spatial_scale,
+        "sky.radius": rates.sky_radius * slow,
+    }
+    for prefix in ("foreground.", "sky."):
+        by_name[f"{prefix}log_scales"] = rates.scale
+        by_name[f"{prefix}quaternions"] = rates.rotation
+        by_name[f"{prefix}opacity_logits"] = rates.opacity
+    groups = [
+        {"name": f"{rows.prefix}{name}", "params": [parameter]}
+        for rows in (model.foreground, model.sky.rows)
+        for name, parameter in rows.values.items()
+    ]
+    groups.append({"name": "sky.radius", "params": [model.sky.radius]})
+    for group in groups:
+        group["lr"] = by_name[str(group["name"])]
+    embedding = model.appearance.embedding
+    mlp = [p for p in model.appearance.parameters() if p is not embedding]
+    groups.append({"name": "embedding", "params": [embedding], "lr": rates.embedding * slow})
+    groups.append({"name": "mlp", "params": mlp, "lr": rates.mlp * slow})
+    return torch.optim.Adam(groups, eps=EPSILON, fused=True)
+
+
+def set_position_rate(
+    optimizer: torch.optim.Adam, model: SceneModel, schedule: Schedule, iteration: int
+) -> None:
+    """Let the learning rate of positions decay as the schedule says."""
+    rates = model.settings.rates
+    rate = schedule.position_rate(iteration, rates.position_first, rates.position_last)
+    for group in optimizer.param_groups:
+        if group["name"] in POSITIONS:
+            group["lr"] = rate * rates.spatial_scale

@@ -1,0 +1,73 @@
+"""The training photos in memory: uint8 pictures and masks, each held once."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+from jaxtyping import Bool, Float, UInt8
+from torch import Tensor
+
+from r3gw.files import InputError
+from r3gw.geometry.cameras import Camera
+from r3gw.imaging.files import read_rgb
+from r3gw.masks import load_masks
+from r3gw.scene import Scene
+
+
+@dataclass(frozen=True)
+class Photo:
+    """One training photo.
+
+    Attributes:
+        name: File stem.
+        camera: Its camera.
+        pixels: Display values, 0 to 255.
+        is_valid: False on occluders.
+        is_sky: True on sky.
+    """
+
+    name: str
+    camera: Camera
+    pixels: UInt8[Tensor, "h w 3"]
+    is_valid: Bool[Tensor, "h w"]
+    is_sky: Bool[Tensor, "h w"]
+
+    def target(self) -> Float[Tensor, "h w 3"]:
+        """Display values in [0, 1]."""
+        return self.pixels.float() / 255.0
+
+
+def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Photo]:
+    """Read all training photos of a scene and their masks.
+
+    Raises:
+        InputError: If a file is missing or of the wrong size, or there is no training photo.
+    """
+    photos = []
+    for view in scene.split("train"):
+        path = scene_folder / view.image
+        pixels = read_rgb(path)
+        if pixels.shape[:2] != (view.height, view.width):
+            raise InputError(
+                f"{path}: {pixels.shape[1]}x{pixels.shape[0]} px, but scene.json says "
+                f"{view.width}x{view.height} px; import the scene again"
+            )
+        is_valid, is_sky = load_masks(masks_folder, view)
+        photos.append(
+            Photo(
+                view.name,
+                view.camera,
+                torch.from_numpy(pixels),
+                torch.from_numpy(is_valid),
+                torch.from_numpy(is_sky),
+            )
+        )
+    if not photos:
+        raise InputError(f"{scene_folder / 'scene.json'}: no view has the split 'train'")
+    return photos
+
+
+def camera_extent(cameras: list[Camera]) -> float:
+    """1.1 times the largest distance of a camera from the cameras' mean, world units."""
+    centres = torch.stack([camera.centre for camera in cameras])
+    return 1.1 * float((centres - centres.mean(dim=0)).norm(dim=-1).max())

@@ -1,0 +1,58 @@
+"""The training stage: files in, ``model.pt``, ``history.csv`` and ``run.json`` out."""
+
+from pathlib import Path
+
+import torch
+
+from r3gw.files import write_json
+from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
+from r3gw.gaussians.model import save_model
+from r3gw.settings import load_train_settings
+from r3gw.training.loop import train_scene
+
+
+def run_training(
+    scene_folder: Path,
+    masks_folder: Path,
+    initial_path: Path,
+    settings_path: Path,
+    target: Path,
+    *,
+    scene: str,
+    variant: str,
+    num_threads: int,
+) -> None:
+    """Train and write ``target``/{model.pt, history.csv, run.json}; run.json is written last.
+
+    Args:
+        scene_folder: Imported scene.
+        masks_folder: Its masks.
+        initial_path: ``initial.npz``.
+        settings_path: Resolved settings (JSON).
+        target: Folder of the run.
+        scene, variant: Names for the record.
+        num_threads: CPU threads of torch and the rasterizer.
+
+    Raises:
+        InputError: If an input is missing or malformed, or training diverges.
+    """
+    torch.set_num_threads(num_threads)
+    settings = load_train_settings(settings_path)
+    trained = train_scene(scene_folder, masks_folder, initial_path, settings)
+    save_model(trained.model, target / "model.pt")
+    trained.history.write(target / "history.csv")
+    record = {
+        "scene": scene,
+        "variant": variant,
+        "seed": settings.seed,
+        "iterations": settings.iterations,
+        "settings_digest": digest(settings.model_dump(mode="json")),
+        "code_version": code_version(),
+        "machine": machine(),
+        "num_threads": num_threads,
+        "training_seconds": trained.seconds,
+        "peak_rss_mb": peak_rss_mb(),
+        "num_foreground": len(trained.model.foreground),
+        "num_sky": len(trained.model.sky.rows),
+    }
+    write_json(target / "run.json", record)

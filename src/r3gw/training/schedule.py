@@ -1,0 +1,70 @@
+"""When things happen: every milestone and interval of the paper's run, scaled to this run's length."""
+
+from dataclasses import dataclass
+from math import exp, log
+
+from r3gw.settings import TrainSettings
+
+
+def scaled(paper_iteration: int, iterations: int, paper_iterations: int) -> int:
+    """Scale an iteration number or interval of the paper's schedule; what was > 0 stays > 0."""
+    if paper_iteration == 0:
+        return 0
+    return max(1, round(paper_iteration * iterations / paper_iterations))
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Milestones in this run's own iterations, which count from 1."""
+
+    iterations: int
+    warm_up: int
+    geometry_losses_from: int
+    densify_first: int
+    densify_last: int
+    densify_interval: int
+    reset_interval: int
+    position_iterations: int
+
+    @staticmethod
+    def of(settings: TrainSettings) -> "Schedule":
+        """Scale the settings' milestones to their ``iterations``."""
+
+        def own(paper_iteration: int) -> int:
+            return scaled(paper_iteration, settings.iterations, settings.paper_iterations)
+
+        density = settings.density
+        return Schedule(
+            iterations=settings.iterations,
+            warm_up=own(settings.warm_up),
+            geometry_losses_from=own(settings.geometry_losses_from),
+            densify_first=own(density.first),
+            densify_last=own(density.last),
+            densify_interval=own(density.interval),
+            reset_interval=own(density.reset_interval),
+            position_iterations=own(settings.rates.position_iterations),
+        )
+
+    def densifies(self, iteration: int) -> bool:
+        """Whether Gaussians are cloned, split and pruned after this iteration."""
+        is_due = iteration % self.densify_interval == 0
+        return is_due and self.densify_first <= iteration <= self.densify_last
+
+    def density_progress(self, iteration: int) -> float:
+        """Share of the densification period that has passed, 0 to 1."""
+        period = max(self.densify_last - self.densify_first, 1)
+        return min(max((iteration - self.densify_first) / period, 0.0), 1.0)
+
+    def resets_opacity(self, iteration: int) -> bool:
+        """Whether opacities are reset after this iteration."""
+        is_due = iteration % self.reset_interval == 0 or iteration == self.densify_first
+        return is_due and iteration < self.densify_last
+
+    def prunes_huge(self, iteration: int) -> bool:
+        """Whether too large Gaussians are pruned: after the first regular opacity reset."""
+        return iteration > self.reset_interval
+
+    def position_rate(self, iteration: int, first: float, last: float) -> float:
+        """Learning rate of positions: log-linear from ``first`` to ``last``, then constant."""
+        share = min(iteration / self.position_iterations, 1.0)
+        return exp((1 - share) * log(first) + share * log(last))

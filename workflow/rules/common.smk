@@ -1,0 +1,97 @@
+# Every function and constant of the workflow; the other files hold rules only.
+import json
+import sys
+from pathlib import Path
+
+from r3gw.files import InputError
+from r3gw.layers import LAYERS
+from r3gw.settings import load_config, run_settings
+from snakemake.exceptions import WorkflowError
+
+try:
+    CONFIG = load_config(config, "config")
+except InputError as error:
+    raise WorkflowError(str(error))
+
+SCENES = sorted(CONFIG.scenes)
+SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
+VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})
+
+for name in set(SCENES) - set(SYNTHETIC):
+    if not Path(CONFIG.scenes[name].path).is_dir():
+        raise WorkflowError(
+            f"config: scene '{name}': no folder {CONFIG.scenes[name].path}; correct its 'path'"
+        )
+
+# Rules call the interpreter that runs Snakemake, whether its environment is active or not.
+shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PATH; ")
+
+
+wildcard_constraints:
+    scene="|".join(SCENES),
+    variant="|".join(VARIANTS),
+    seed=r"\d+",
+
+
+def library(package):
+    """Source files of an r3gw package and of every layer below it, as rule inputs."""
+    below = []
+    for layer in LAYERS:
+        if package in layer:
+            break
+        below += layer
+    else:
+        raise ValueError(f"no layer of r3gw holds the package {package!r}")
+    root = Path(workflow.basedir) / "src/r3gw"
+    sources = (p for name in [*below, package] for p in (root / name).rglob("*"))
+    return sorted(str(p) for p in sources if p.suffix in {".py", ".cpp", ".h"})
+
+
+def entry_json(wildcards):
+    """The config entry of a scene, as JSON."""
+    return CONFIG.scenes[wildcards.scene].model_dump_json()
+
+
+def scene_source(wildcards):
+    """Folder that a scene is imported from."""
+    entry = CONFIG.scenes[wildcards.scene]
+    if entry.format == "synthetic":
+        return f"results/{wildcards.scene}/source"
+    return entry.path
+
+
+def sky_masks(wildcards):
+    """Where the sky masks of a scene come from."""
+    return CONFIG.scenes[wildcards.scene].sky_masks
+
+
+def resolved(variant, seed):
+    """Settings of one run; a mistake in them stops the workflow with one sentence."""
+    try:
+        return run_settings(
+            CONFIG,
+            variant,
+            seed,
+            train_file=Path(workflow.basedir) / "config/train.yaml",
+            variants_file=Path(workflow.basedir) / "config/variants.yaml",
+        )
+    except InputError as error:
+        raise WorkflowError(str(error))
+
+
+RESOLVED = {
+    (variant, seed): resolved(variant, seed)
+    for variant in VARIANTS
+    for seed in {*CONFIG.seeds, *CONFIG.ablations.seeds}
+}
+
+
+def settings_json(wildcards):
+    """Resolved settings of one run, as JSON: config/train.yaml with all changes on top."""
+    settings = RESOLVED[wildcards.variant, int(wildcards.seed)]
+    return settings.model_dump_json(indent=2)
+
+
+def sky_json(wildcards):
+    """Settings of the sky's initial points, as JSON."""
+    return RESOLVED[VARIANTS[0], CONFIG.seeds[0]].sky.model_dump_json()

@@ -1,0 +1,65 @@
+# From a dataset, a folder of photos or the embedded benchmark to masks and initial points.
+
+
+rule generate:
+    input:
+        code=library("synthetic"),
+    output:
+        directory("results/{scene}/source"),
+    log:
+        "logs/generate/{scene}.log",
+    wildcard_constraints:
+        scene="|".join(SYNTHETIC) or "none",
+    params:
+        entry=entry_json,
+    shell:
+        "python -m r3gw generate --entry {params.entry:q} --target {output} > {log} 2>&1"
+
+
+rule import_scene:
+    input:
+        code=library("sfm"),
+        source=scene_source,
+    output:
+        "results/{scene}/scene/scene.json",
+        "results/{scene}/scene/points.npz",
+    log:
+        "logs/import/{scene}.log",
+    threads: 2
+    params:
+        entry=entry_json,
+    shell:
+        "python -m r3gw import --scene {wildcards.scene} --entry {params.entry:q}"
+        " --source {input.source} --target results/{wildcards.scene}/scene"
+        " --threads {threads} > {log} 2>&1"
+
+
+rule masks:
+    input:
+        code=library("masks"),
+        scene="results/{scene}/scene/scene.json",
+    output:
+        "results/{scene}/masks/masks.json",
+    log:
+        "logs/masks/{scene}.log",
+    params:
+        sky=sky_masks,
+    shell:
+        "python -m r3gw masks --scene results/{wildcards.scene}/scene"
+        " --sky {params.sky} --target results/{wildcards.scene}/masks > {log} 2>&1"
+
+
+rule initialise:
+    input:
+        code=library("gaussians"),
+        scene="results/{scene}/scene/scene.json",
+        points="results/{scene}/scene/points.npz",
+    output:
+        "results/{scene}/initial.npz",
+    log:
+        "logs/initialise/{scene}.log",
+    params:
+        sky=sky_json,
+    shell:
+        "python -m r3gw initialise --scene results/{wildcards.scene}/scene"
+        " --sky {params.sky:q} --target {output} > {log} 2>&1"

@@ -1,0 +1,42 @@
+# One training: a scene, a variant, a seed.
+
+
+# Settings reach a run as `params` and leave as a file: an edit to one variant re-runs that
+# variant alone, and every result keeps the settings that made it.
+rule write_settings:
+    output:
+        "results/{scene}/{variant}/seed{seed}/settings.json",
+    log:
+        "logs/write_settings/{scene}.{variant}.seed{seed}.log",
+    params:
+        settings=settings_json,
+    shell:
+        "printf '%s\n' {params.settings:q} > {output} 2> {log}"
+
+
+# Snakemake does not see imports: without `code`, an edit to src/r3gw leaves a stale model.
+rule train:
+    input:
+        code=library("training"),
+        scene="results/{scene}/scene/scene.json",
+        masks="results/{scene}/masks/masks.json",
+        initial="results/{scene}/initial.npz",
+        settings="results/{scene}/{variant}/seed{seed}/settings.json",
+    output:
+        model=ensure("results/{scene}/{variant}/seed{seed}/model.pt", non_empty=True),
+        history="results/{scene}/{variant}/seed{seed}/history.csv",
+        record="results/{scene}/{variant}/seed{seed}/run.json",
+    log:
+        "logs/train/{scene}.{variant}.seed{seed}.log",
+    benchmark:
+        "logs/train/{scene}.{variant}.seed{seed}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1200,
+    shell:
+        "python -m r3gw train --scene results/{wildcards.scene}/scene"
+        " --masks results/{wildcards.scene}/masks --initial {input.initial}"
+        " --settings {input.settings} --name {wildcards.scene}"
+        " --variant {wildcards.variant} --threads {threads}"
+        " --target results/{wildcards.scene}/{wildcards.variant}/seed{wildcards.seed}"
+        " > {log} 2>&1"
