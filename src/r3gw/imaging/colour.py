@@ -20,7 +20,7 @@ def display_from_linear(linear: Float[Tensor, "*shape"]) -> Float[Tensor, "*shap
     The backward pass lets a gradient through a clamped value only where it leads back into
     range: an overexposed value may still get darker, a black one lighter.
     """
-    return torch.pow(_TwoWayClamp.apply(linear, DARKEST, 1.0), 1.0 / GAMMA)  # type: ignore[no-untyped-call,no-any-return]
+    return torch.pow(_TwoWayClamp.apply(linear, DARKEST, 1.0), 1.0 / GAMMA)  # type: ignore[no-untyped-call]
 
 
 def linear_from_display(display: Float[Tensor, "*shape"]) -> Float[Tensor, "*shape"]:
@@ -30,7 +30,8 @@ def linear_from_display(display: Float[Tensor, "*shape"]) -> Float[Tensor, "*sha
 
 def display_array_from_linear(linear: NDArray[np.floating]) -> NDArray[np.float32]:
     """NumPy twin of `display_from_linear` for pictures on disk; black stays 0."""
-    return (np.clip(linear, 0.0, 1.0) ** (1.0 / GAMMA)).astype(np.float32)
+    display: NDArray[np.float32] = (np.clip(linear, 0.0, 1.0) ** (1.0 / GAMMA)).astype(np.float32)
+    return display
 
 
 class _TwoWayClamp(torch.autograd.Function):

@@ -25,13 +25,25 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
     return cv2.cvtColor(_read(path, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB).astype(np.uint8)
 
 
+def read_rgb_as_stored(path: Path) -> NDArray[np.uint8]:
+    """Read an 8-bit picture as RGB ``[H, W, 3]`` in the order of its pixels on disk.
+
+    EXIF orientation is not applied: COLMAP's cameras describe the stored pixels.
+
+    Raises:
+        InputError: If the file is missing, truncated or no picture.
+    """
+    bgr = _read(path, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+    return cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB).astype(np.uint8)
+
+
 def read_grey(path: Path) -> NDArray[np.uint8]:
     """Read an 8-bit picture as grey ``[H, W]``.
 
     Raises:
         InputError: If the file is missing, truncated or no picture.
     """
-    return _read(path, cv2.IMREAD_GRAYSCALE).astype(np.uint8)
+    return _read(path, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION).astype(np.uint8)
 
 
 def write_image(path: Path, image: NDArray[np.uint8] | NDArray[np.bool_]) -> None:

@@ -2,6 +2,7 @@
 
 from r3gw.scene.scene import (
     EvaluationEntry,
+    Gauge,
     GroundTruth,
     Points,
     Scene,
@@ -14,6 +15,7 @@ from r3gw.scene.scene import (
 
 __all__ = [
     "EvaluationEntry",
+    "Gauge",
     "GroundTruth",
     "Points",
     "Scene",

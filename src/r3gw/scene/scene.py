@@ -58,12 +58,16 @@ class GroundTruth(Strict):
 
 
 class View(Strict):
-    """One photo with its camera; ``name`` is the file's stem."""
+    """One photo with its camera; ``name`` is the file's stem.
+
+    ``source_size_px`` is the photo's width and height before the import, if it was larger.
+    """
 
     name: str
     image: str
     width: int
     height: int
+    source_size_px: tuple[int, int] | None = None
     intrinsics: Row4
     cam_from_world: tuple[Row4, Row4, Row4, Row4]
     split: Literal["train", "test"]
@@ -88,11 +92,12 @@ class Gauge(Strict):
     @staticmethod
     def of(similarity: Similarity) -> "Gauge":
         """Record a similarity transform."""
-        return Gauge(
-            scale=similarity.scale,
-            rotation=similarity.rotation.tolist(),
-            translation=similarity.translation.tolist(),
-        )
+        values = {
+            "scale": similarity.scale,
+            "rotation": similarity.rotation.tolist(),
+            "translation": similarity.translation.tolist(),
+        }
+        return Gauge.model_validate(values)
 
     @property
     def similarity(self) -> Similarity:
@@ -102,10 +107,14 @@ class Gauge(Strict):
 
 
 class Scene(Strict):
-    """All views of a place, in one world frame (up = -y)."""
+    """All views of a place, in one world frame (up = -y).
+
+    ``resampling`` names the filter that made larger photos fit: area averages whole pixels.
+    """
 
     name: str
     source_format: str
+    resampling: Literal["area"] = "area"
     views: tuple[View, ...]
     scene_from_source: Gauge
 

@@ -71,6 +71,8 @@ def from_reconstruction(model: pycolmap.Reconstruction, source: Path) -> ColmapM
 
 def _camera(image: pycolmap.Image, source: Path) -> Camera:
     camera = image.camera
+    if camera is None:
+        raise InputError(f"{source}: {image.name} has no camera; make the model again")
     if camera.model.name not in _PINHOLES:
         raise InputError(
             f"{source}: camera of {image.name} has the model {camera.model.name}, but photos must "

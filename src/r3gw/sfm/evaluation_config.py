@@ -61,7 +61,7 @@ def _entry(path: Path, name: str, values: Mapping[Any, Any]) -> EvaluationEntry:
         return EvaluationEntry(
             mask=None if mask is None else str(_resolve(path.parent, mask, name)),
             env_map=str(env_map),
-            rotation_rad=rotation,  # type: ignore[arg-type]
+            rotation_rad=rotation,
             threshold=scaling[0],
             scale=scaling[1],
             sun_angles_rad=values["sun_angles"],

@@ -35,7 +35,7 @@ def up_direction(cam_from_source: Matrices) -> Vector:
     for _ in range(_ITERATIONS):
         roll = right @ up / np.sin(radians(_ROLL_DEG))
         pitch = forward @ up / np.sin(radians(_PITCH_DEG))
-        # A photo held upright has its right vector along up: both terms must fade together.
+        # One weight for both terms: a photo turned by 90 degrees must not vote for its forward.
         weight = 1.0 / (1.0 + roll**2 + pitch**2)
         normal = np.einsum("n,ni,nj->ij", weight / np.sin(radians(_ROLL_DEG)) ** 2, right, right)
         normal += np.einsum(
@@ -104,4 +104,4 @@ def _geometric_median(vectors: Vector) -> Vector:
         weight = 1.0 / np.maximum(np.linalg.norm(vectors - median, axis=1), 1e-9)
         median = (weight[:, None] * vectors).sum(axis=0) / weight.sum()
     length = float(np.linalg.norm(median))
-    return median / length if length > 1e-9 else -np.asarray(UP, dtype=np.float64)
+    return median / length if length > 1e-9 else np.asarray(UP, dtype=np.float64)

@@ -1,0 +1,143 @@
+"""Sky segmentation without weights: a smooth region at the top, refined by GrabCut.
+
+1. Regions of small gradient that touch the top edge, for a row of gradient thresholds; the one
+   that best splits the picture into two even colours wins (the energy of [1], on connected
+   regions instead of columns). Dark regions at the top (leaves, poles) are dropped.
+2. Where the winner leaks into the building, stricter thresholds do not: the strictest region
+   that is still large, with the brighter parts of the winner (clouds), is taken as sure sky.
+3. GrabCut [2] learns both colours and grows the sky; only parts connected to sure sky stay.
+4. A guided filter [3] brings the border to full resolution.
+
+It takes for granted that a photo shows sky at its top edge; a smooth wall there is taken for sky.
+
+[1] Shen and Wang, "Sky region detection in a single image for autonomous ground robot
+navigation", IJARS 10, 2013.  [2] Rother, Kolmogorov and Blake, "GrabCut", SIGGRAPH 2004.
+[3] He, Sun and Tang, "Guided image filtering", TPAMI 35(6), 2013.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Rgb = NDArray[np.uint8]
+Mask = NDArray[np.bool_]
+
+_WORKING_PX = 512
+# Gradient magnitudes (Sobel, 8-bit L*a*b*) tried as the border between smooth and not.
+_THRESHOLDS = np.geomspace(12.0, 300.0, 24)
+_SHARES = (0.05, 0.9)  # of the picture; other regions are no candidates for the sky
+_STRICT_SHARE = 0.6  # of the winner's area that the strict region must keep
+_DARK = 0.72  # times the main region's brightness; darker ones at the top are no sky
+_CLOUD = 0.95  # times the sure sky's median brightness
+_GROUND_ROWS = 0.04  # of the height, at the bottom: never sky
+_GRABCUT_ROUNDS = 5
+_GUIDED_RADIUS = 3  # working pixels
+_GUIDED_EPS = 1e-4  # squared, of values in 0..1
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """The sky by one threshold, and how well it splits the picture."""
+
+    is_sky: Mask
+    score: float
+
+
+def segment_sky(photo: Rgb) -> Mask:
+    """Guess which pixels of an RGB photo ``[H, W, 3]`` show sky, ``[H, W]``.
+
+    The same photo gives the same mask. All False if nothing at the top edge is smooth.
+    """
+    height, width = photo.shape[:2]
+    factor = min(1.0, _WORKING_PX / max(height, width))
+    small = photo
+    if factor < 1.0:
+        size = (round(width * factor), round(height * factor))
+        small = cv2.resize(photo, size, interpolation=cv2.INTER_AREA)
+    sure = _sure_sky(small)
+    if sure is None:
+        return np.zeros((height, width), dtype=np.bool_)
+    return _full_resolution(_grown(small, sure), photo, factor)
+
+
+def _sure_sky(photo: Rgb) -> Mask | None:
+    """A region that is sky with hardly a doubt, or None if there is no candidate."""
+    brightness = photo.max(axis=2).astype(np.float64)
+    gradient = cv2.dilate(_gradient(photo), np.ones((3, 3), np.uint8))
+    candidates = []
+    for threshold in _THRESHOLDS:
+        is_sky = _smooth_top(gradient < threshold, brightness)
+        if _SHARES[0] <= is_sky.mean() <= _SHARES[1]:
+            candidates.append(_Candidate(is_sky, _evenness(photo, is_sky)))
+    if not candidates:
+        return None
+    best = max(candidates, key=lambda candidate: candidate.score)
+    wanted = _STRICT_SHARE * best.is_sky.sum()
+    strict = next(c.is_sky for c in candidates if c.is_sky.sum() >= wanted)
+    smoothed = cv2.GaussianBlur(brightness, (0, 0), 2.0)
+    is_cloud = best.is_sky & (smoothed >= _CLOUD * np.median(smoothed[strict]))
+    sure: Mask = strict | is_cloud
+    return sure
+
+
+def _gradient(photo: Rgb) -> NDArray[np.float32]:
+    """Largest Sobel gradient over the L*a*b* channels, ``[H, W]``."""
+    lab = cv2.cvtColor(photo, cv2.COLOR_RGB2LAB).astype(np.float32)
+    channels = [
+        np.hypot(cv2.Sobel(channel, cv2.CV_32F, 1, 0), cv2.Sobel(channel, cv2.CV_32F, 0, 1))
+        for channel in cv2.split(lab)
+    ]
+    return np.asarray(np.max(channels, axis=0), dtype=np.float32)
+
+
+def _smooth_top(is_smooth: Mask, brightness: NDArray[np.float64]) -> Mask:
+    """Smooth regions that touch the top edge, without those much darker than the largest."""
+    count, labels = cv2.connectedComponents(is_smooth.astype(np.uint8), connectivity=4)
+    at_top = np.setdiff1d(labels[0], [0])
+    if at_top.size == 0:
+        return np.zeros(is_smooth.shape, dtype=np.bool_)
+    area = np.bincount(labels.ravel(), minlength=count)
+    mean = np.bincount(labels.ravel(), brightness.ravel(), minlength=count) / np.maximum(area, 1)
+    largest = at_top[area[at_top].argmax()]
+    kept = np.isin(labels, at_top[mean[at_top] >= _DARK * mean[largest]])
+    # Give back the pixel that the dilated gradient took.
+    return cv2.dilate(kept.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
+
+
+def _evenness(photo: Rgb, is_sky: Mask) -> float:
+    """Energy of [1]: large where sky and ground both have compact colours, sky counted double."""
+    sky, ground = (np.cov(photo[part].astype(np.float64).T) for part in (is_sky, ~is_sky))
+    spread = 2.0 * np.linalg.det(sky) + np.linalg.det(ground)
+    spread += 2.0 * np.linalg.eigvalsh(sky)[-1] + np.linalg.eigvalsh(ground)[-1]
+    return float(1.0 / max(spread, 1e-12))
+
+
+def _grown(photo: Rgb, sure: Mask) -> Mask:
+    """GrabCut from the sure sky; keeps what is connected to its core."""
+    core = cv2.erode(sure.astype(np.uint8), np.ones((9, 9), np.uint8)).astype(np.bool_)
+    labels = np.where(sure, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
+    labels[core] = cv2.GC_FGD
+    labels[round((1.0 - _GROUND_ROWS) * len(labels)) :] = cv2.GC_BGD
+    if not core.any():
+        return sure
+    cv2.setRNGSeed(0)  # GrabCut starts its colour mixtures by k-means
+    models = np.zeros((1, 65)), np.zeros((1, 65))
+    cv2.grabCut(photo, labels, None, *models, _GRABCUT_ROUNDS, cv2.GC_INIT_WITH_MASK)
+    is_sky = (labels == cv2.GC_FGD) | (labels == cv2.GC_PR_FGD)
+    _, regions = cv2.connectedComponents(is_sky.astype(np.uint8), connectivity=4)
+    return np.isin(regions, np.setdiff1d(regions[core], [0]))
+
+
+def _full_resolution(is_sky: Mask, photo: Rgb, factor: float) -> Mask:
+    """Enlarge a mask along the photo's own edges."""
+    height, width = photo.shape[:2]
+    enlarged = cv2.resize(
+        is_sky.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR
+    )
+    if factor < 1.0:
+        guide = photo.astype(np.float32) / 255.0
+        radius = round(_GUIDED_RADIUS / factor)
+        enlarged = cv2.ximgproc.guidedFilter(guide, enlarged, radius, _GUIDED_EPS)
+    return np.asarray(enlarged >= 0.5)
