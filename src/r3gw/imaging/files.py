@@ -51,9 +51,9 @@ def write_image(path: Path, image: NDArray[np.uint8] | NDArray[np.bool_]) -> Non
 
     The format follows the suffix; JPEG uses quality 95 without chroma subsampling.
     """
-    if image.dtype == np.bool_:
-        image = image.astype(np.uint8) * 255
-    pixels = cv2.cvtColor(image, cv2.COLOR_RGB2BGR) if image.ndim == 3 else image
+    pixels = image.astype(np.uint8) * (255 if image.dtype == np.bool_ else 1)
+    if image.ndim == 3:
+        pixels = cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR).astype(np.uint8)
     jpeg = [
         cv2.IMWRITE_JPEG_QUALITY,
         95,
@@ -82,7 +82,7 @@ def read_linear(path: Path) -> NDArray[np.float32]:
         image = np.asarray(pixels, dtype=np.float32)
     else:
         bgr = _read(path, cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR)
-        image = cv2.cvtColor(bgr.astype(np.float32), cv2.COLOR_BGR2RGB)
+        image = cv2.cvtColor(bgr.astype(np.float32), cv2.COLOR_BGR2RGB).astype(np.float32)
     if not np.isfinite(image).all():
         raise InputError(f"{path}: holds NaN or infinite values; repair or replace the picture")
     return image
@@ -96,7 +96,7 @@ def write_exr(path: Path, image: NDArray[np.float32]) -> None:
         OpenEXR.File(header, channels).write(str(temporary))
 
 
-def _read(path: Path, flags: int) -> NDArray[np.generic]:
+def _read(path: Path, flags: int) -> NDArray[np.integer | np.floating]:
     if not path.is_file():
         raise InputError(f"{path}: no such picture")
     image = cv2.imread(str(path), flags)

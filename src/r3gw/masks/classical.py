@@ -55,7 +55,7 @@ def segment_sky(photo: Rgb) -> Mask:
     small = photo
     if factor < 1.0:
         size = (round(width * factor), round(height * factor))
-        small = cv2.resize(photo, size, interpolation=cv2.INTER_AREA)
+        small = cv2.resize(photo, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
     sure = _sure_sky(small)
     if sure is None:
         return np.zeros((height, width), dtype=np.bool_)
@@ -123,8 +123,9 @@ def _grown(photo: Rgb, sure: Mask) -> Mask:
     if not core.any():
         return sure
     cv2.setRNGSeed(0)  # GrabCut starts its colour mixtures by k-means
-    models = np.zeros((1, 65)), np.zeros((1, 65))
-    cv2.grabCut(photo, labels, None, *models, _GRABCUT_ROUNDS, cv2.GC_INIT_WITH_MASK)
+    sky_model, ground_model = np.zeros((1, 65)), np.zeros((1, 65))
+    mode, no_frame = cv2.GC_INIT_WITH_MASK, (0, 0, 0, 0)
+    cv2.grabCut(photo, labels, no_frame, ground_model, sky_model, _GRABCUT_ROUNDS, mode)
     is_sky = (labels == cv2.GC_FGD) | (labels == cv2.GC_PR_FGD)
     _, regions = cv2.connectedComponents(is_sky.astype(np.uint8), connectivity=4)
     return np.isin(regions, np.setdiff1d(regions[core], [0]))

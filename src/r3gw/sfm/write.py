@@ -3,6 +3,7 @@
 import logging
 import shutil
 from pathlib import Path
+from typing import Any, TypeVar
 
 import cv2
 import numpy as np
@@ -30,6 +31,8 @@ from r3gw.scene import (
     save_scene,
 )
 from r3gw.sfm.source import SourceMask, SourceScene, SourceView
+
+Pixel = TypeVar("Pixel", np.uint8, np.float32)
 
 _LOG = logging.getLogger(__name__)
 _FOLDERS = ("images", "given", "envmaps", "ground_truth")
@@ -103,6 +106,7 @@ def _write_view(
     factor = min(1.0, max_image_px / max(full.width, full.height))
     width, height = (max(1, round(side * factor)) for side in (full.width, full.height))
     camera = full.scaled(width, height)
+    cam_from_world: Any = similarity.camera(full.cam_from_world).tolist()
     image = f"images/{source.name}.png"
     write_image(target / image, _scaled(photo, camera, cv2.INTER_AREA))
     for kind, mask in source.masks.items():
@@ -114,7 +118,7 @@ def _write_view(
         height=height,
         source_size_px=None if factor == 1.0 else (full.width, full.height),
         intrinsics=camera.intrinsics,
-        cam_from_world=similarity.camera(full.cam_from_world).tolist(),
+        cam_from_world=cam_from_world,
         split=source.split,
         session=source.session,
         evaluation=_copied_evaluation(source, full, camera, target),
@@ -122,10 +126,11 @@ def _write_view(
     )
 
 
-def _scaled(pixels: NDArray[np.generic], camera: Camera, interpolation: int) -> NDArray[np.generic]:
+def _scaled(pixels: NDArray[Pixel], camera: Camera, interpolation: int) -> NDArray[Pixel]:
     if pixels.shape[:2] == (camera.height, camera.width):
         return pixels
-    return cv2.resize(pixels, (camera.width, camera.height), interpolation=interpolation)
+    size = (camera.width, camera.height)
+    return cv2.resize(pixels, size, interpolation=interpolation).astype(pixels.dtype)
 
 
 def _write_mask(mask: SourceMask, full: Camera, camera: Camera, path: Path) -> None:
