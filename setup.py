@@ -19,7 +19,10 @@ if shutil.which(compiler) is None:
         "(Debian, Ubuntu: apt-get install g++; conda: conda install gxx) or set CXX."
     )
 
-flags = ["-O3", "-std=c++20", "-fopenmp", "-fno-math-errno", "-fno-trapping-math", "-Wall"]
+flags = ["-O3", "-std=c++20", "-fopenmp", "-fno-math-errno", "-fno-trapping-math"]
+# Products and sums fuse only where the source says fma, so that results do not depend on which
+# expressions a compiler joins. -Wno-psabi: 64-byte vectors are never passed across the library.
+flags += ["-ffp-contract=off", "-Wall", "-Wextra", "-Wno-psabi"]
 link_flags = ["-fopenmp"]
 if os.environ.get("R3GW_PORTABLE") != "1":
     flags.append("-march=native")

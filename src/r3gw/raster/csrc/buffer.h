@@ -36,6 +36,11 @@ class Buffer {
     if (alignment == kHugePage) madvise(data_, bytes, MADV_HUGEPAGE);  // A hint; may be refused.
   }
 
+  void swap(Buffer& other) {
+    std::swap(data_, other.data_);
+    std::swap(capacity_, other.capacity_);
+  }
+
   T* data() { return data_; }
   const T* data() const { return data_; }
   T& operator[](std::size_t index) { return data_[index]; }

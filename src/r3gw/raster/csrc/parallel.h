@@ -26,7 +26,8 @@ inline int parts_for(std::int64_t count, std::int64_t items_per_part) {
 // Calls work(item) for every item below `count`; idle threads take the next item.
 template <class Work>
 void parallel_items(int count, const Work& work) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(std::min(count, at::get_num_threads()))
+#pragma omp parallel for schedule(dynamic, 1) \
+    num_threads(std::clamp(at::get_num_threads(), 1, std::max(count, 1)))
   for (int item = 0; item < count; ++item) work(item);
 }
 

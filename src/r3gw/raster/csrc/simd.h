@@ -99,9 +99,7 @@ R3GW_INLINE Lanes square_root(Lanes a) {
 // NaN in `a` gives `b`, as the hardware's min and max do.
 R3GW_INLINE Lanes minimum(Lanes a, Lanes b) { return a < b ? a : b; }
 R3GW_INLINE Lanes maximum(Lanes a, Lanes b) { return a > b ? a : b; }
-R3GW_INLINE Lanes clamp(Lanes a, Lanes low, Lanes high) {
-  return minimum(maximum(a, low), high);
-}
+R3GW_INLINE Lanes clamp(Lanes a, Lanes low, Lanes high) { return minimum(maximum(a, low), high); }
 
 // 2^x for x in [-126, 127], relative error 2.6e-6 (minimax polynomial on [-1/2, 1/2]).
 // Outside that range the result is meaningless; the caller masks it.

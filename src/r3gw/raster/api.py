@@ -1,0 +1,87 @@
+"""The documented entry to the C++ rasterizer."""
+
+from collections.abc import Sequence
+
+from jaxtyping import Float
+from torch import Tensor
+
+from r3gw.raster import validation
+from r3gw.raster.autograd import Composite, Project, View
+from r3gw.raster.result import RasterResult
+
+
+def rasterize(
+    means: Float[Tensor, "n 3"],
+    quaternions: Float[Tensor, "n 4"],
+    scales: Float[Tensor, "n 3"],
+    opacities: Float[Tensor, " n"],
+    features: Float[Tensor, "n channels"],
+    cam_from_world: Float[Tensor, "rows 4"],
+    intrinsics: Sequence[float] | Float[Tensor, "4"],
+    width: int,
+    height: int,
+    background: Float[Tensor, " channels"] | None = None,
+    *,
+    num_feature_gradients: int | None = None,
+) -> RasterResult:
+    """Composite Gaussians front to back into an image of feature channels.
+
+    EWA projection (Zwicker et al. 2002) with a low-pass of 0.3 px²; the Jacobian's x/z and y/z are
+    held within the frustum widened by 15 % of the image on each side. Gaussians nearer than 0.01
+    and those whose projected covariance overflows float32 are not visible. Alpha is clamped at
+    0.99, alphas under 1/255 are skipped, and a pixel whose transmittance has fallen below 1e-4
+    takes no more. Gaussians are ordered by camera z, equal depths by index.
+
+    Results, gradients included, do not depend on ``torch.get_num_threads()``.
+
+    Args:
+        means: World positions.
+        quaternions: Gaussian to world, wxyz, of any length > 0.
+        scales: Standard deviations along the Gaussian's axes, world units, >= 0.
+        opacities: In [0, 1].
+        features: Any number of channels >= 1; 1, 3, 4, 8, 9 and 16 have kernels of their own.
+        cam_from_world: [4, 4] or [3, 4]; x right, y down, z forward. Carries no gradient.
+        intrinsics: (fx, fy, cx, cy) in pixels; pixel centres lie at +0.5.
+        width: Image width in pixels.
+        height: Image height in pixels.
+        background: What shows through, zeros if None.
+        num_feature_gradients: Only the first so many channels send a gradient to `features` (the
+            others get zeros); every channel sends one to geometry and opacity. None: all.
+
+    Raises:
+        ValueError: For a wrong shape or dtype, and for parameters that are NaN, infinite or out of
+            range; the message names the tensor and the number of values.
+    """
+    n, channels = len(means), features.shape[-1]
+    intrinsics = [float(value) for value in intrinsics]
+    validation.check_shapes(
+        {
+            "means": (means, (n, 3)),
+            "quaternions": (quaternions, (n, 4)),
+            "scales": (scales, (n, 3)),
+            "opacities": (opacities, (n,)),
+            "features": (features, (n, None)),
+            "cam_from_world": (cam_from_world, (None, 4)),
+        }
+        | ({} if background is None else {"background": (background, (channels,))})
+    )
+    validation.check_camera(cam_from_world, intrinsics, width, height)
+    columns = channels if num_feature_gradients is None else num_feature_gradients
+    if not 0 <= columns <= channels:
+        raise ValueError(f"num_feature_gradients must be in 0..{channels}, got {columns}")
+    means, quaternions, scales = means.contiguous(), quaternions.contiguous(), scales.contiguous()
+    opacities, features = opacities.contiguous(), features.contiguous()
+    background = None if background is None else background.contiguous()
+    validation.check_gaussians(means, quaternions, scales, opacities, features)
+
+    view = View(cam_from_world, intrinsics, width, height)
+    means2d, factors, screen, radii_px = Project.apply(  # type: ignore[no-untyped-call]
+        means, quaternions, scales, opacities, view
+    )
+    if means2d.requires_grad:
+        means2d.retain_grad()
+    image, alpha = Composite.apply(  # type: ignore[no-untyped-call]
+        *(means2d, factors, opacities, features, background),
+        *(screen, radii_px, (width, height), columns),
+    )
+    return RasterResult(features=image, alpha=alpha, radii_px=radii_px, means2d=means2d)

@@ -1,0 +1,42 @@
+// Front-to-back compositing of a frame's tile lists, and its gradient.
+#pragma once
+
+#include "raster/csrc/frame.h"
+
+namespace r3gw {
+
+// Channels [first, first + used) of an image with `channels` channels, composited in one pass whose
+// kernel is compiled for `width` >= used channels.
+struct ChannelPass {
+  int channels, first, used, width;
+};
+
+// Narrowest compiled kernel that takes `used` channels, 1 <= used <= kMaxChannels.
+int kernel_width(int used);
+
+// Draws the pass's channels into `features` [H,W,channels] over `background` [channels] (null:
+// zeros) and sets `alpha` [H,W]. Replaces frame.entry_mask by the blocks really drawn on.
+void composite(Frame& frame, const ChannelPass& pass, const float* background, float* features,
+               float* alpha);
+
+struct ImageGradient {
+  const float* features;        // [H,W,channels] gradient
+  const float* alpha;           // [H,W] gradient, or null for zeros
+  const float* features_drawn;  // [H,W,channels] what composite() drew
+  const float* alpha_drawn;     // [H,W]
+};
+
+// Gradients of the splats by original index; rows of visible Gaussians are added to.
+struct SplatGradient {
+  float* means2d;    // [N,2]
+  float* factors;    // [N,3]
+  float* opacities;  // [N]
+  float* features;   // [N,columns], or null
+  int columns;       // The first `columns` channels receive a gradient.
+};
+
+// Adds the gradients of one pass. `opacities` [N] are the values drawn with.
+void composite_backward(Frame& frame, const ChannelPass& pass, const ImageGradient& image,
+                        const float* opacities, const SplatGradient& result);
+
+}  // namespace r3gw

@@ -1,0 +1,207 @@
+// Gaussian-major, front to back: the sums over pixels that make one Gaussian's gradient stay in
+// registers while the sixteen blocks of the tile pass by, each with its own running state.
+//
+// With v the image gradient, f_k the features and w_k = alpha_k T_k the weight of entry k,
+//   dL/dln(alpha_k) = w_k (v.f_k) - alpha_k/(1 - alpha_k) R_k,
+//   R_k = sum_{j>k} w_j (v.f_j) + T_end (v.background - v_alpha),
+// and R starts as v.drawn - v_alpha T_end and loses w_k (v.f_k) at each entry: one running value
+// per pixel instead of one per channel, and no division by the transmittance.
+#include <algorithm>
+#include <bit>
+#include <stdexcept>
+
+#include "raster/csrc/blend.h"
+#include "raster/csrc/composite.h"
+#include "raster/csrc/lane_sums.h"
+#include "raster/csrc/parallel.h"
+
+namespace r3gw {
+namespace {
+
+constexpr std::int64_t kRanksPerPart = 2048;
+
+// Columns of a gradient row: moments of dL/dln(alpha) over the pixels, then feature gradients.
+enum MomentColumn { kSum, kSumS, kSumT, kSumSS, kSumST, kSumTT, kMoments };
+static_assert(kMoments == static_cast<int>(kSplatHead));
+
+template <int Width>
+struct BlockState {
+  Lanes transmittance, behind;  // T and R above
+  Lanes gradient[Width];        // v
+};
+
+// Loads v and starts R. Returns whether any pixel of the block has a gradient.
+template <int Width>
+bool load_block(const Frame& frame, const ChannelPass& pass, const ImageGradient& image,
+                const TileWindow& window, int block, BlockState<Width>& state) {
+  alignas(64) float gradient[Width][kLanes] = {};
+  alignas(64) float behind[kLanes] = {};
+  bool any = false;
+  window.for_pixels(frame.width, block, [&](int lane, std::int64_t pixel) {
+    const float* v = image.features + pixel * pass.channels + pass.first;
+    const float* drawn = image.features_drawn + pixel * pass.channels + pass.first;
+    float sum = 0.0f;
+    for (int c = 0; c < Width; ++c) {
+      if (c >= pass.used) break;
+      gradient[c][lane] = v[c];
+      sum += v[c] * drawn[c];
+      any |= v[c] != 0.0f;
+    }
+    if (image.alpha != nullptr) {
+      sum -= image.alpha[pixel] * (1.0f - image.alpha_drawn[pixel]);
+      any |= image.alpha[pixel] != 0.0f;
+    }
+    behind[lane] = sum;
+  });
+  state.transmittance = window.inside(block);
+  state.behind = load(behind);
+  for (int c = 0; c < Width; ++c) state.gradient[c] = load(gradient[c]);
+  return any;
+}
+
+// Moments and the first `Columns` feature gradients of one entry over the blocks of `mask`.
+template <int Width, int Columns>
+void entry_gradient(const float* row, std::uint32_t mask, const BlockCentres& centres,
+                    BlockState<Width>* blocks, float* result) {
+  Lanes moments[kMoments] = {}, columns[Columns > 0 ? Columns : 1] = {};
+  for (; mask != 0; mask &= mask - 1) {
+    const int block = std::countr_zero(mask);
+    BlockState<Width>& state = blocks[block];
+    const Hit hit = meet(row, centres.x[block % kTileBlocks], centres.y[block / kTileBlocks],
+                         state.transmittance, is_open(state.transmittance));
+    Lanes colour = state.gradient[0] * row[kSplatHead];
+    for (int c = 1; c < Width; ++c)
+      colour = fma(state.gradient[c], splat(row[kSplatHead + c]), colour);
+    const Lanes own = hit.weight * colour;
+    state.transmittance = state.transmittance - hit.weight;
+    state.behind = state.behind - own;
+    const Lanes hidden = hit.alpha / (1.0f - hit.alpha);
+    const Mask free = greater_equal(splat(kMaxAlpha), hit.unclamped);
+    const Lanes g = keep(both(free, hit.drawn), minus_product(own, hidden, state.behind));
+    const Lanes gs = g * hit.s, gt = g * hit.t;
+    moments[kSum] += g;
+    moments[kSumS] += gs;
+    moments[kSumT] += gt;
+    moments[kSumSS] = fma(gs, hit.s, moments[kSumSS]);
+    moments[kSumST] = fma(gs, hit.t, moments[kSumST]);
+    moments[kSumTT] = fma(gt, hit.t, moments[kSumTT]);
+    for (int c = 0; c < Columns; ++c) columns[c] = fma(hit.weight, state.gradient[c], columns[c]);
+  }
+  constexpr int kInFirst = std::min(kMoments + Columns, kLanes),
+                kRest = kMoments + Columns - kInFirst;
+  Lanes values[kLanes];
+  for (int i = 0; i < kInFirst; ++i) values[i] = i < kMoments ? moments[i] : columns[i - kMoments];
+  store(result, lane_sums<kInFirst>(values));
+  if constexpr (kRest > 0) {
+    for (int i = 0; i < kRest; ++i) values[i] = columns[kInFirst - kMoments + i];
+    store(result + kLanes, lane_sums<kRest>(values));
+  }
+}
+
+template <int Width, int Columns>
+void tile_gradient(Frame& frame, int tile, const ChannelPass& pass, const ImageGradient& image) {
+  constexpr int kRow = row_stride(Width), kResult = row_stride(Columns);
+  const TileWindow window(frame, tile);
+  const BlockCentres centres(window.left, window.top);
+  BlockState<Width> blocks[kBlocks];
+  std::uint32_t wanted = 0;
+  for (int block = 0; block < kBlocks; ++block) {
+    if (load_block(frame, pass, image, window, block, blocks[block])) wanted |= 1u << block;
+  }
+  const std::int64_t begin = frame.first_entry[tile];
+  const std::uint32_t used = frame.used_entries[tile];
+  float* result = frame.gradient_rows.data() + frame.first_gradient[tile] * kResult;
+  for (std::uint32_t entry = 0; entry < used; ++entry, result += kResult) {
+    constexpr int kAhead = 8;  // Rows are scattered; entries past the list's end are harmless.
+    const std::uint32_t ahead = frame.entry_rank[begin + std::min(entry + kAhead, used - 1)];
+    __builtin_prefetch(frame.rows.data() + static_cast<std::size_t>(ahead) * kRow);
+    const float* row =
+        frame.rows.data() + static_cast<std::size_t>(frame.entry_rank[begin + entry]) * kRow;
+    entry_gradient<Width, Columns>(row, frame.entry_mask[begin + entry] & wanted, centres, blocks,
+                                   result);
+  }
+}
+
+// Sum of the gradient rows of one Gaussian, over its tiles in order.
+template <int Stride>
+void sum_cells(const Frame& frame, std::int64_t rank, float* sum) {
+  Lanes total[Stride / kLanes] = {};
+  const TileRect rect = frame.rects[rank];
+  std::int64_t cell = frame.first_cell[rank];
+  for (int y = rect.top; y < rect.bottom; ++y) {
+    for (int x = rect.left; x < rect.right; ++x, ++cell) {
+      const int tile = y * frame.tiles_x + x;
+      const std::uint32_t place = frame.cell_place[cell];
+      if (frame.cell_mask[cell] == 0 || place >= frame.used_entries[tile]) continue;
+      const float* row = frame.gradient_rows.data() + (frame.first_gradient[tile] + place) * Stride;
+      for (int i = 0; i < Stride / kLanes; ++i) total[i] += load(row + i * kLanes);
+    }
+  }
+  for (int i = 0; i < Stride / kLanes; ++i) store(sum + i * kLanes, total[i]);
+}
+
+// From moments of dL/dln(alpha) to the splat's parameters: ln(alpha) = ln(opacity) - ln2 (s^2 +
+// t^2), s = a dx + k dy, t = c dy, and (dx, dy) = pixel - mean.
+void add_splat_gradient(const float* row, const float* sum, std::int64_t i, const float* opacities,
+                        const SplatGradient& result) {
+  const float a = row[kFactorA], k = row[kFactorK], c = row[kFactorC];
+  constexpr float kTwoLn2 = 2.0f * kLn2;
+  const float sum_s_dy = sum[kSumST] / c;
+  result.means2d[2 * i] += kTwoLn2 * a * sum[kSumS];
+  result.means2d[2 * i + 1] += kTwoLn2 * (k * sum[kSumS] + c * sum[kSumT]);
+  result.factors[3 * i] -= kTwoLn2 * (sum[kSumSS] - k * sum_s_dy) / a;
+  result.factors[3 * i + 1] -= kTwoLn2 * sum_s_dy;
+  result.factors[3 * i + 2] -= kTwoLn2 * sum[kSumTT] / c;
+  result.opacities[i] += sum[kSum] / opacities[i];
+}
+
+template <int Width, int Columns>
+void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGradient& image,
+              const float* opacities, const SplatGradient& result) {
+  constexpr int kRow = row_stride(Width), kResult = row_stride(Columns);
+  frame.first_gradient.resize(frame.tiles() + 1);
+  frame.first_gradient[0] = 0;
+  for (int tile = 0; tile < frame.tiles(); ++tile) {
+    frame.first_gradient[tile + 1] = frame.first_gradient[tile] + frame.used_entries[tile];
+  }
+  frame.gradient_rows.resize(frame.first_gradient[frame.tiles()] * kResult);
+  parallel_items(frame.tiles(),
+                 [&](int tile) { tile_gradient<Width, Columns>(frame, tile, pass, image); });
+  const int parts = parts_for(frame.visible, kRanksPerPart);
+  parallel_parts(frame.visible, parts, [&](auto begin, auto end, int) {
+    for (std::int64_t rank = begin; rank < end; ++rank) {
+      alignas(64) float sum[kResult];
+      sum_cells<kResult>(frame, rank, sum);
+      const std::int64_t i = frame.order[rank].index;
+      add_splat_gradient(frame.rows.data() + rank * kRow, sum, i, opacities, result);
+      float* target = result.features + i * result.columns + pass.first;
+      for (int column = 0; column < columns; ++column) target[column] = sum[kMoments + column];
+    }
+  });
+}
+
+}  // namespace
+
+void composite_backward(Frame& frame, const ChannelPass& pass, const ImageGradient& image,
+                        const float* opacities, const SplatGradient& result) {
+  const int columns = std::clamp(result.columns - pass.first, 0, pass.used);
+  const auto run = [&](auto kernel) { kernel(frame, pass, columns, image, opacities, result); };
+  switch (pass.width) {
+    case 1:
+      return run(gradient<1, 1>);
+    case 3:
+      return run(gradient<3, 3>);
+    case 4:
+      return run(gradient<4, 4>);
+    case 8:
+      return run(gradient<8, 8>);
+    case 9:
+      return columns <= 7 ? run(gradient<9, 7>) : run(gradient<9, 9>);
+    case 16:
+      return run(gradient<16, 16>);
+    default:
+      throw std::invalid_argument("no kernel of this width");
+  }
+}
+
+}  // namespace r3gw
