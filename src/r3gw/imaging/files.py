@@ -96,10 +96,10 @@ def write_exr(path: Path, image: NDArray[np.float32]) -> None:
         OpenEXR.File(header, channels).write(str(temporary))
 
 
-def _read(path: Path, flags: int) -> NDArray[np.integer | np.floating]:
+def _read(path: Path, flags: int) -> NDArray[np.integer] | NDArray[np.floating]:
     if not path.is_file():
         raise InputError(f"{path}: no such picture")
     image = cv2.imread(str(path), flags)
     if image is None:
         raise InputError(f"{path}: not a readable picture (truncated or of another format?)")
-    return np.asarray(image)
+    return np.asarray(image)  # type: ignore[return-value]

@@ -1,0 +1,1 @@
+"""How good a trained scene is: protocols, metrics, decomposition, relighting."""
