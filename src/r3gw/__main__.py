@@ -4,7 +4,7 @@ import json
 import logging
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import click
 
@@ -70,7 +70,9 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
     required=True,
     help="Where sky masks come from.",
 )
-def masks(scene: Path, target: Path, sky: str) -> None:
+def masks(
+    scene: Path, target: Path, sky: Literal["given", "classical", "given-or-classical"]
+) -> None:
     """Check given masks and make missing ones."""
     from r3gw.masks import make_masks
 

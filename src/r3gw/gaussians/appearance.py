@@ -60,7 +60,7 @@ class Appearance(nn.Module):
         features = self.trunk(self.embedding[photo])
         light: Tensor = self.light_head(features)
         sky: Tensor = self.sky_head(features)
-        return light.unflatten(-1, (-1, 3)), sky.unflatten(-1, (-1, 3))
+        return light.reshape(-1, 3), sky.reshape(-1, 3)
 
     def noisy(
         self, light: Float[Tensor, "coeff 3"], generator: torch.Generator

@@ -121,12 +121,12 @@ def _grow(
 ) -> None:
     """Append copies of cloned rows and two children per split row; drop the split parents."""
     copies = {name: value.detach()[is_cloned] for name, value in rows.values.items()}
-    children = _children(model, rows, is_split, generator)
+    children = split_children(model, rows, is_split, generator)
     added = {name: torch.cat([copies[name], children[name]]) for name in copies}
     rows.rebuild(optimizer, torch.nonzero(~is_split).squeeze(-1), added)
 
 
-def _children(
+def split_children(
     model: SceneModel, rows: Rows, is_split: Bool[Tensor, "n"], generator: torch.Generator
 ) -> Mapping[str, Tensor]:
     """Two children per parent: positions drawn from the parent, scales divided by 1.6."""

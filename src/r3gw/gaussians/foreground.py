@@ -1,5 +1,6 @@
 """Foreground Gaussians: geometry, albedo and roughness, stored before their activations."""
 
+import numpy as np
 import torch
 from jaxtyping import Bool, Float
 from scipy.spatial import cKDTree
@@ -39,8 +40,8 @@ def initial_log_scales(xyz: Float[Tensor, "n 3"]) -> Float[Tensor, "n 3"]:
     if neighbours < 1:
         return torch.full((len(xyz), 3), 0.1).log()
     points = xyz.double().numpy()
-    distances = cKDTree(points).query(points, k=neighbours + 1)[0][:, 1:]
-    mean = torch.from_numpy(distances.mean(axis=1)).float().clamp_min(1e-6)
+    distances = np.asarray(cKDTree(points).query(points, k=neighbours + 1)[0])
+    mean = torch.from_numpy(distances[:, 1:].mean(axis=1)).float().clamp_min(1e-6)
     return mean.log()[:, None].repeat(1, 3)
 
 

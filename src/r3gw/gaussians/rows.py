@@ -23,7 +23,8 @@ class Rows(nn.Module):
 
     def __getitem__(self, name: str) -> Tensor:
         """The parameter ``name``, all rows."""
-        return self.values[name]
+        parameter: Tensor = self.values[name]
+        return parameter
 
     def __len__(self) -> int:
         """Number of Gaussians."""

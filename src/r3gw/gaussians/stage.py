@@ -8,7 +8,6 @@ from r3gw.gaussians.initial import initial_points, save_initial
 from r3gw.scene import load_points, load_scene
 from r3gw.settings.train import SkySettings
 
-
 # Seeds of runs vary what is random in training; all runs of a scene start from the same points.
 SKY_SEED = 0
 

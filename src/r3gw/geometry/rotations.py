@@ -13,7 +13,7 @@ def rotation_from_quaternion(quaternions: Float[Tensor, "*batch 4"]) -> Float[Te
         2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
         2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
     ]  # fmt: skip
-    return torch.stack(entries, dim=-1).unflatten(-1, (3, 3))
+    return torch.stack(entries, dim=-1).reshape(*quaternions.shape[:-1], 3, 3)
 
 
 def rotation_about_axis(axis: int, angle: float) -> Float[Tensor, "3 3"]:

@@ -28,5 +28,5 @@ def rotate(
     after = sh.basis(directions, degree)
     before = sh.basis(directions @ rotation.double(), degree)  # rows: R^T d
     # radiance after(d) = before(R^T d): solve after @ new = before @ old in least squares.
-    turned = torch.linalg.lstsq(after, before @ coefficients.double()).solution
+    turned: Tensor = torch.linalg.lstsq(after, before @ coefficients.double()).solution
     return turned.to(coefficients.dtype)

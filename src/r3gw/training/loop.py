@@ -77,7 +77,7 @@ def train(model: SceneModel, photos: list[Photo]) -> Trained:
             if not torch.isfinite(loss):
                 raise InputError(_not_finite(iteration, photo, parts))
             optimizer.zero_grad(set_to_none=True)
-            loss.backward()
+            torch.autograd.backward(loss)
             if iteration <= schedule.densify_last and rendering.means2d.grad is not None:
                 camera = photo.camera
                 statistics.add(

@@ -1,5 +1,7 @@
 """Adam over every parameter of the model, one named group each (method 8)."""
 
+from typing import Any
+
 import torch
 
 from r3gw.gaussians.model import SceneModel
@@ -24,7 +26,7 @@ def make_optimizer(model: SceneModel) -> torch.optim.Adam:
         by_name[f"{prefix}log_scales"] = rates.scale
         by_name[f"{prefix}quaternions"] = rates.rotation
         by_name[f"{prefix}opacity_logits"] = rates.opacity
-    groups = [
+    groups: list[dict[str, Any]] = [
         {"name": f"{rows.prefix}{name}", "params": [parameter]}
         for rows in (model.foreground, model.sky.rows)
         for name, parameter in rows.values.items()

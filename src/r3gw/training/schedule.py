@@ -1,4 +1,4 @@
-"""When things happen: every milestone and interval of the paper's run, scaled to this run's length."""
+"""When things happen: the paper's milestones and intervals, scaled to this run's length."""
 
 from dataclasses import dataclass
 from math import exp, log
