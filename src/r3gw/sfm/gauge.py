@@ -15,8 +15,10 @@ from r3gw.geometry.cameras import UP
 from r3gw.geometry.similarity import Similarity
 from r3gw.scene import Points
 
-_ROLL_DEG = 2.0
-_PITCH_DEG = 20.0
+# Usual sizes. Pitch is only there for photos that all look one way, where roll says nothing of
+# it; tourists tilt their cameras up at a building, so it must not weigh more.
+_ROLL_DEG = 1.0
+_PITCH_DEG = 30.0
 _ITERATIONS = 100
 _PERCENTILE = 99
 

@@ -36,7 +36,7 @@ Pixel = TypeVar("Pixel", np.uint8, np.float32)
 
 _LOG = logging.getLogger(__name__)
 _FOLDERS = ("images", "given", "envmaps", "ground_truth")
-_FILES = ("scene.json", "points.npz")
+_FILES = ("scene.json", "points.npz", "sfm_report.json")
 
 
 def clear_scene(target: Path) -> None:
