@@ -1,0 +1,195 @@
+"""r3gw.reporting.tables against averages worked out by hand from small metrics files."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from r3gw.files import InputError
+from r3gw.reporting.tables import ablations, decomposition, runs_table, table1
+
+
+def record(view: str, protocol: str, psnr: float, **more: float) -> dict:
+    """One image record; the other metrics follow from the PSNR, so that columns differ."""
+    figures = {"psnr": psnr, "ssim": psnr / 100, "mse": psnr / 1000, "mae": psnr / 500}
+    return {"scene": "-", "view": view, "protocol": protocol, **figures, **more}
+
+
+def write_metrics(
+    folder: Path, scene: str, variant: str, seed: int, psnrs: list[float], *, exact: bool = True
+) -> Path:
+    """metrics.json of a run whose test views have these PSNRs; exact is 1 dB lower."""
+    images = [record(f"v{i}", "nerf-osr", psnr) for i, psnr in enumerate(psnrs)]
+    if exact:
+        images += [
+            record(f"v{i}", "exact", psnr - 1, oracle_psnr=psnr + 5) for i, psnr in enumerate(psnrs)
+        ]
+    images.append(record("t0", "learned", 30.0, psnr_foreground=28.0))
+    run = {
+        "scene": scene,
+        "variant": variant,
+        "seed": seed,
+        "iterations": 100,
+        "settings_digest": f"digest{variant}{seed}",
+        "code_version": "0.1.0+abc",
+        "machine": "Some, processor (x86_64)",
+        "num_threads": 2,
+        "training_seconds": 10.0 + seed,
+        "peak_rss_mb": 500.0 + seed,
+        "num_foreground": 1000,
+        "num_sky": 200 + seed,
+    }
+    parts = [{"view": "v0", "albedo_psnr": 20.0 + seed}, {"view": "t0", "light_error": 0.25}]
+    path = folder / f"{scene}_{variant}_{seed}.json"
+    path.write_text(json.dumps({"run": run, "images": images, "decomposition": parts}))
+    return path
+
+
+@pytest.fixture
+def files(tmp_path) -> list[Path]:
+    """Two scenes, two variants, two seeds."""
+    return [
+        write_metrics(tmp_path, scene, variant, seed, [base + 2 * seed, base + 4 + 2 * seed])
+        for variant, shift in (("full", 0.0), ("no_specular", -3.0))
+        for scene, base in (("chapel", 20.0 + shift), ("arcade", 16.0 + shift))
+        for seed in (0, 1)
+    ]
+
+
+def read(path: Path) -> pd.DataFrame:
+    """A table by method."""
+    return pd.read_csv(path).set_index("method")
+
+
+def test_table1_averages_views_then_seeds_then_scenes(files, tmp_path):
+    table1(files, None, tmp_path / "table1.csv")
+    table = read(tmp_path / "table1.csv")
+    assert list(table.index) == ["r3gw", "r3gw without specular"]
+    full = table.loc["r3gw"]
+    # chapel: seeds (22, 24) -> 23; arcade: (18, 20) -> 19; average 21.
+    assert (full.psnr_chapel, full.psnr_arcade, full.psnr_avg) == (23.0, 19.0, 21.0)
+    assert (full.psnr_exact_chapel, full.psnr_exact_avg) == (22.0, 20.0)
+    assert full.ssim_avg == pytest.approx(0.21, rel=1e-5, abs=0)
+    assert full.mse_avg == pytest.approx(0.021, rel=1e-5, abs=0)
+    assert full.mae_exact_avg == pytest.approx(0.04, rel=1e-5, abs=0)
+    assert full.sweep_gain_psnr_avg == pytest.approx(1.0, rel=1e-5, abs=0)
+    assert full.n_seeds == 2
+    # Averages per seed are 20 and 22.
+    assert full.psnr_std_avg == pytest.approx(2**0.5, rel=1e-5, abs=0)
+    assert table.loc["r3gw without specular"].psnr_avg == 18.0
+    assert list(table.group) == ["measured", "measured ablation"]
+
+
+def test_table1_can_be_traced(files, tmp_path):
+    table1(files, None, tmp_path / "table1.csv")
+    full = read(tmp_path / "table1.csv").loc["r3gw"]
+    assert full.settings_digest == "digestfull0;digestfull1"
+    assert (full.seeds, full.code_version, full.iterations) == ("0;1", "0.1.0+abc", 100)
+    assert (full.training_seconds_mean, full.peak_rss_mb_max) == (10.5, 501.0)
+    assert (full.num_gaussians_mean, full.machine) == (1200.5, "Some, processor (x86_64)")
+
+
+def test_same_files_give_the_same_bytes(files, tmp_path):
+    for name in ("a", "b"):
+        table1(files, None, tmp_path / name / "table1.csv")
+    for suffix in ("csv", "md", "tex"):
+        first, second = (tmp_path / n / f"table1.{suffix}" for n in ("a", "b"))
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_markdown_and_latex_hold_the_rounded_figures(files, tmp_path):
+    table1(files, None, tmp_path / "table1.csv")
+    markdown = (tmp_path / "table1.md").read_text().splitlines()
+    cells = [cell.strip() for cell in markdown[2].split("|")[1:-1]]
+    heads = [cell.strip() for cell in markdown[0].split("|")[1:-1]]
+    row = dict(zip(heads, cells, strict=True))
+    assert (row["Method"], row["PSNR chapel"], row["PSNR avg"]) == ("r3gw", "23.00", "21.00")
+    assert (row["SSIM avg"], row["PSNR exact avg"]) == ("0.210", "20.00")
+    latex = (tmp_path / "table1.tex").read_text()
+    assert all(rule in latex for rule in (r"\toprule", r"\midrule", r"\bottomrule"))
+    ends = [line for line in latex.splitlines() if line.endswith(r"\\")]
+    assert {line.count("&") for line in ends} == {len(heads) - 1}
+    assert "_" not in latex.replace(r"\_", "")
+
+
+def test_published_rows_only_beside_the_papers_scenes(tmp_path, repository):
+    published = repository / "config" / "published.csv"
+    other = [write_metrics(tmp_path, "chapel", "full", 0, [20.0])]
+    table1(other, published, tmp_path / "other.csv")
+    assert len(pd.read_csv(tmp_path / "other.csv")) == 1
+
+    real = [
+        write_metrics(tmp_path, scene, "full", 0, [20.0], exact=False)
+        for scene in ("lk2", "lwp", "st")
+    ]
+    table1(real, published, tmp_path / "real.csv")
+    table = read(tmp_path / "real.csv")
+    assert len(table) == 13
+    assert table.loc["R3GW"].group == "published GS"
+    assert table.loc["R3GW"].psnr_avg == 18.11
+    assert table.loc["R3GW without specular"].group == "published Ablation"
+    assert table.loc["r3gw"].group == "measured"
+    assert pd.isna(table.loc["FEGR"].ssim_avg)
+    assert pd.isna(table.loc["R3GW"].iterations)
+
+
+def test_a_scene_without_truth_has_no_exact_column_and_none_in_the_average(tmp_path):
+    files = [
+        write_metrics(tmp_path, "chapel", "full", 0, [20.0]),
+        write_metrics(tmp_path, "lk2", "full", 0, [30.0], exact=False),
+    ]
+    table1(files, None, tmp_path / "table1.csv")
+    row = read(tmp_path / "table1.csv").loc["r3gw"]
+    assert "psnr_exact_lk2" not in row.index
+    assert (row.psnr_avg, row.psnr_exact_avg) == (25.0, 19.0)
+
+
+def test_a_variant_that_lacks_a_scene_has_no_average(files, tmp_path):
+    table1(files[:6], None, tmp_path / "table1.csv")
+    row = read(tmp_path / "table1.csv").loc["r3gw without specular"]
+    assert row.psnr_chapel == 20.0
+    assert pd.isna(row.psnr_arcade)
+    assert pd.isna(row.psnr_avg)
+
+
+def test_ablations_have_spread_per_scene(files, tmp_path):
+    ablations(files, tmp_path / "ablations.csv")
+    row = read(tmp_path / "ablations.csv").loc["r3gw"]
+    assert (row.psnr_chapel, row.psnr_avg, row.n_seeds) == (23.0, 21.0, 2)
+    assert row.psnr_std_chapel == pytest.approx(2**0.5, rel=1e-5, abs=0)
+    assert (row.albedo_psnr_avg, row.light_error_avg) == (20.5, 0.25)
+    assert row.oracle_psnr_exact_avg == 26.0
+
+
+def test_one_row_per_run(files, tmp_path):
+    runs_table(files, tmp_path / "runs.csv")
+    decomposition(files, tmp_path / "decomposition.csv")
+    runs = pd.read_csv(tmp_path / "runs.csv")
+    assert len(runs) == 8
+    assert list(runs.columns[:4]) == ["scene", "variant", "seed", "psnr"]
+    assert list(runs.psnr[:4]) == [22.0, 24.0, 18.0, 20.0]
+    assert set(runs.settings_digest) >= {"digestfull0", "digestno_specular1"}
+    parts = pd.read_csv(tmp_path / "decomposition.csv")
+    assert list(parts.albedo_psnr[:2]) == [20.0, 21.0]
+    assert "psnr" not in parts.columns
+
+
+def test_photos_without_test_views_still_make_a_table(tmp_path):
+    path = write_metrics(tmp_path, "sacre", "full", 0, [])
+    table1([path], None, tmp_path / "table1.csv")
+    row = read(tmp_path / "table1.csv").loc["r3gw"]
+    assert row.psnr_learned_sacre == 30.0
+    assert "psnr_sacre" not in row.index
+
+
+def test_bad_files_are_named(files, tmp_path):
+    with pytest.raises(InputError, match="at least one"):
+        table1([], None, tmp_path / "t.csv")
+    with pytest.raises(InputError, match=r"gone\.json: no such file"):
+        table1([tmp_path / "gone.json"], None, tmp_path / "t.csv")
+    with pytest.raises(InputError, match="scene chapel, variant full, seed 0"):
+        table1([files[0], files[0]], None, tmp_path / "t.csv")
+    (tmp_path / "old.json").write_text("{}")
+    with pytest.raises(InputError, match=r"old\.json: not a metrics file"):
+        table1([tmp_path / "old.json"], None, tmp_path / "t.csv")
