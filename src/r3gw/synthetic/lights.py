@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from r3gw.geometry.cameras import UP
-from r3gw.lighting.envmap import pixel_angles, pixel_directions
+from r3gw.lighting.envmap import pixel_directions
 from r3gw.synthetic.textures import noise
 
 Map = NDArray[np.float64]
@@ -85,7 +85,7 @@ def _sky_model(session: Session, sky: float, sun: float) -> mi.Emitter:
     """Mitsuba's emitter with its zenith (+z) turned to the world's up (-y)."""
     upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
     direction = session.sun_direction
-    return mi.load_dict(
+    model: mi.Emitter = mi.load_dict(
         {
             "type": "sunsky",
             "sun_direction": [float(x) for x in direction],
@@ -96,6 +96,7 @@ def _sky_model(session: Session, sky: float, sun: float) -> mi.Emitter:
             "to_world": upright,
         }
     )
+    return model
 
 
 def _evaluate(emitter: mi.Emitter, directions: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -104,7 +105,7 @@ def _evaluate(emitter: mi.Emitter, directions: NDArray[np.float64]) -> NDArray[n
     values = np.empty_like(directions)
     for i, (x, y, z) in enumerate(-directions):
         interaction.wi = mi.Vector3f(float(x), float(y), float(z))
-        values[i] = emitter.eval(interaction)
+        values[i] = np.asarray(emitter.eval(interaction))
     return values
 
 
@@ -117,7 +118,7 @@ def _clear_sky(session: Session, height: int) -> Map:
 
 
 def _sun_irradiance(session: Session) -> NDArray[np.float64]:
-    """Irradiance of the sun's disc on a plane that faces it: its radiance over rings of the disc."""
+    """Irradiance of the sun on a plane that faces it: its radiance over rings of the disc."""
     model = _sky_model(session, 0.0, SKY_SCALE)
     radius, rings = radians(0.5358 / 2), 24
     towards = session.sun_direction
@@ -126,7 +127,8 @@ def _sun_irradiance(session: Session) -> NDArray[np.float64]:
     turns = (np.arange(rings) + 0.5) / rings * radius
     points = towards * np.cos(turns)[:, None] + level * np.sin(turns)[:, None]
     area = 2 * pi * np.sin(turns) * radius / rings
-    return np.maximum((_evaluate(model, points) * area[:, None]).sum(axis=0), 0.0)
+    irradiance: NDArray[np.float64] = (_evaluate(model, points) * area[:, None]).sum(axis=0)
+    return np.maximum(irradiance, 0.0)
 
 
 def _overcast(directions: Map, level: NDArray[np.float64], share: float) -> Map:
@@ -134,7 +136,7 @@ def _overcast(directions: Map, level: NDArray[np.float64], share: float) -> Map:
     dimmed = level.mean() * (0.75 - 0.5 * share) * np.array([0.97, 1.0, 1.05])
     zenith = dimmed * 9 / (7 * pi)  # The gradient's irradiance is 7 pi / 9 of its zenith
     height = np.maximum(-directions[..., 1:2], 0)
-    return zenith * (1 + 2 * height) / 3
+    return np.asarray(zenith * (1 + 2 * height) / 3)
 
 
 def _with_clouds(
@@ -159,7 +161,7 @@ def _with_clouds(
     towards = np.clip(directions @ session.sun_direction, 0, 1)[..., None]
     shade = np.clip(1.15 - 0.28 * (density[..., None] - threshold), 0.55, 1.1)
     white = level / pi * (0.5 + 0.7 * towards**3) * shade
-    return sky * (1 - cover) + white * cover
+    return np.asarray(sky * (1 - cover) + white * cover)
 
 
 def _splat(irradiance: NDArray[np.float64], session: Session, height: int) -> Map:
@@ -195,7 +197,7 @@ def phone_panorama(light: Map, yaw_rad: float) -> NDArray[np.float32]:
         bloom += share * cv2.GaussianBlur(padded, (0, 0), sigma)[:, 64:-64]
     picture = np.clip(np.minimum(exposed, 1.5) + bloom, 0.0, 1.0) ** (1 / 2.2)
     shift = round(yaw_rad / (2 * pi) * light.shape[1])
-    return np.roll(picture, -shift, axis=1).astype(np.float32)
+    return np.asarray(np.roll(picture, -shift, axis=1), dtype=np.float32)
 
 
 def whole_pixel_yaw(yaw_rad: float, height: int = HEIGHT_PX) -> float:

@@ -4,7 +4,6 @@ Glossy surfaces are Mitsuba's `principled` model with dielectric reflectance F0 
 0.5); panes of glass have twice that, as a pane has two faces. Matte surfaces are Lambertian.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -46,8 +45,9 @@ class Material:
 
 def bsdf(material: Material) -> dict[str, Any]:
     """Mitsuba's description of a material, seen from both sides."""
+    albedo: dict[str, Any]
     if isinstance(material.albedo, tuple):
-        albedo: Mapping[str, Any] = {"type": "rgb", "value": list(material.albedo)}
+        albedo = {"type": "rgb", "value": list(material.albedo)}
     else:
         albedo = {
             "type": "bitmap",
@@ -57,7 +57,7 @@ def bsdf(material: Material) -> dict[str, Any]:
             "to_uv": mi.ScalarTransform3f().scale([1 / material.tile, 1 / material.tile]),
         }
     if material.roughness is None:
-        inner = {"type": "diffuse", "reflectance": albedo}
+        inner: dict[str, Any] = {"type": "diffuse", "reflectance": albedo}
     else:
         inner = {
             "type": "principled",

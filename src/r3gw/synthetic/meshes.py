@@ -7,6 +7,7 @@ A part is a mesh with the name of its material; a building is a list of parts.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos, radians, sin
 
 import numpy as np
@@ -63,7 +64,7 @@ def polygon(corners: ArrayLike) -> Mesh:
     points = np.asarray(corners, dtype=np.float64)
     ahead = np.roll(points, -1, axis=0)
     normal = np.cross(points, ahead).sum(axis=0)  # Newell's method
-    normal /= np.linalg.norm(normal)
+    normal /= max(float(np.linalg.norm(normal)), 1e-12)  # A sliver without area is never hit
     count = len(points)
     middle = np.arange(1, count - 1)
     faces = np.stack([np.zeros_like(middle), middle, middle + 1], axis=1)
@@ -107,7 +108,7 @@ def lathe(profile: ArrayLike, sides: int = 20, smooth: bool = True) -> Mesh:
     angles = np.linspace(0.0, 2 * np.pi, sides + 1)
     bands = [
         _band(low, high, angles, smooth)
-        for low, high in zip(points[:-1], points[1:], strict=True)
+        for low, high in pairwise(points)
         if np.linalg.norm(high - low) > 1e-9
     ]
     return join(bands)
@@ -149,7 +150,7 @@ def moulding(low: Sequence[float], high: Sequence[float], profile: ArrayLike) ->
         for o, z in np.asarray(profile, dtype=np.float64)
     ]
     faces = [polygon(rings[-1])]
-    for lower, upper in zip(rings[:-1], rings[1:], strict=True):
+    for lower, upper in pairwise(rings):
         for i in range(4):
             j = (i + 1) % 4
             quad = [lower[i], lower[j], upper[j], upper[i]]

@@ -1,4 +1,4 @@
-"""Stock pieces of buildings: columns, balustrades, pediments, tiled roofs, chimneys, lamps, urns."""
+"""Stock pieces of buildings: columns, balustrades, pediments, roofs, chimneys, lamps, urns."""
 
 from collections.abc import Sequence
 from math import atan2, cos, degrees, hypot, radians, sin

@@ -8,7 +8,7 @@ from r3gw.synthetic.meshes import Array, Mesh, Part, lathe
 
 
 def leaves(random: np.random.Generator, centres: Array, size: float, upright: float = 0.0) -> Mesh:
-    """One small quad per centre ``[N, 3]``, turned at random; ``upright`` in [0, 1] stands it up."""
+    """One small quad per centre ``[N, 3]``, turned at random; ``upright`` 1 stands it up."""
     count = len(centres)
     normals = random.standard_normal((count, 3)) * np.array([1.0, 1.0, 1.0 - upright])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -26,7 +26,7 @@ def leaves(random: np.random.Generator, centres: Array, size: float, upright: fl
         axis=1,
     )
     first = 4 * np.arange(count)[:, None]
-    faces = np.concatenate([first + [0, 1, 2], first + [0, 2, 3]])
+    faces = np.concatenate([first + np.array(corner) for corner in ((0, 1, 2), (0, 2, 3))])
     patch = random.uniform(0, 1, (count, 1, 2))
     uvs = patch + np.array([(0.0, -0.02), (0.02, 0.0), (0.0, 0.02), (-0.02, 0.0)])
     return Mesh(corners.reshape(-1, 3), np.repeat(normals, 4, axis=0), uvs.reshape(-1, 2), faces)
@@ -41,7 +41,8 @@ def cloud(
     lumps = random.standard_normal((5, 3)) * 2.2
     wave = np.sin(directions @ lumps.T + random.uniform(0, 6.28, 5)).mean(axis=1)
     reach = random.uniform(0.45, 1.0, count) ** 0.5 * (1.0 + 0.28 * wave)
-    return np.asarray(centre) + directions * reach[:, None] * np.asarray(radii)
+    offsets: Array = directions * reach[:, None] * np.asarray(radii)
+    return np.add(offsets, centre)
 
 
 def tree(
@@ -71,29 +72,29 @@ def tree(
         (spread * 0.6, spread * 0.6, 0.24 * height),
         count // (clumps + 1),
     )
-    crown = leaves(random, np.concatenate([*points, top]), 0.075 * height)
+    crown = leaves(random, np.concatenate([*points, top]), 0.05 * height)
     return [("bark", trunk), ("leaves", crown)]
 
 
-def cypress(random: np.random.Generator, height: float, count: int = 900) -> list[Part]:
+def cypress(random: np.random.Generator, height: float, count: int = 1500) -> list[Part]:
     """A narrow, dark tree."""
     f = random.uniform(0.02, 1.0, count)
     radius = 0.16 * height * np.sin(np.pi * f**0.65) * random.uniform(0.5, 1.0, count)
     turn = random.uniform(0, 2 * np.pi, count)
     points = np.stack([radius * np.cos(turn), radius * np.sin(turn), f * height], axis=1)
     trunk = lathe([(0.06, 0), (0.04, height * 0.5)], 8)
-    return [("bark", trunk), ("needles", leaves(random, points, 0.06 * height, 0.5))]
+    return [("bark", trunk), ("needles", leaves(random, points, 0.042 * height, 0.5))]
 
 
-def bush(random: np.random.Generator, radius: float, height: float, count: int = 420) -> list[Part]:
+def bush(random: np.random.Generator, radius: float, height: float, count: int = 700) -> list[Part]:
     """A rounded shrub."""
     points = cloud(random, (0, 0, height * 0.45), (radius, radius, height * 0.55), count)
     points[:, 2] = np.abs(points[:, 2])
-    return [("leaves", leaves(random, points, 0.15))]
+    return [("leaves", leaves(random, points, 0.1))]
 
 
 def hedge(
-    random: np.random.Generator, low: Sequence[float], high: Sequence[float], density: float = 500.0
+    random: np.random.Generator, low: Sequence[float], high: Sequence[float], density: float = 700.0
 ) -> list[Part]:
     """A clipped hedge filling a box, ``density`` leaves per square unit of its skin."""
     lower, upper = np.asarray(low, float), np.asarray(high, float)
@@ -104,12 +105,13 @@ def hedge(
     for number, (axis, side) in enumerate([(2, 1.0), (1, 0.0), (1, 1.0), (0, 0.0), (0, 1.0)]):
         points[skin == number, axis] = side
     points = lower + points * (upper - lower) + 0.03 * random.standard_normal((count, 3))
-    return [("needles", leaves(random, points, 0.13))]
+    return [("needles", leaves(random, points, 0.09))]
 
 
 def _shares(areas: Sequence[float]) -> Array:
     """Areas as probabilities."""
-    return np.asarray(areas) / np.sum(areas)
+    shares: Array = np.asarray(areas) / np.sum(areas)
+    return shares
 
 
 def tufts(
@@ -118,4 +120,4 @@ def tufts(
     """Blades of grass scattered over a rectangle in x and y."""
     spots = random.uniform((low[0], low[1]), (high[0], high[1]), (count, 2))
     points = np.insert(spots, 2, 0.03, axis=1)
-    return [("grass", leaves(random, points, 0.13, 0.9))]
+    return [("grass", leaves(random, points, 0.09, 0.9))]

@@ -6,6 +6,7 @@ reveals go into +y.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class Opening:
         return (self.right + self.left) / 2
 
     def outline(self, grow: float = 0.0) -> Array:
-        """Corners ``[N, 2]`` counter-clockwise from bottom left; sides and top moved by ``grow``."""
+        """Corners ``[N, 2]``, counter-clockwise from bottom left; sides and top move out."""
         left, right, top = self.left - grow, self.right + grow, self.top + grow
         if not self.is_arched:
             return np.array([(left, self.bottom), (right, self.bottom), (right, top), (left, top)])
@@ -59,8 +60,8 @@ def wall(width: float, height: float, openings: Sequence[Opening]) -> Mesh:
     xs = sorted({0.0, width, *(x for o in openings for x in (o.left, o.right))})
     zs = sorted({0.0, height, *(z for o in openings for z in (o.bottom, o.top))})
     faces = []
-    for x0, x1 in zip(xs[:-1], xs[1:], strict=True):
-        for z0, z1 in zip(zs[:-1], zs[1:], strict=True):
+    for x0, x1 in pairwise(xs):
+        for z0, z1 in pairwise(zs):
             x, z = (x0 + x1) / 2, (z0 + z1) / 2
             if not any(o.left < x < o.right and o.bottom < z < o.top for o in openings):
                 faces.append(polygon([(x0, 0, z0), (x1, 0, z0), (x1, 0, z1), (x0, 0, z1)]))
@@ -85,7 +86,7 @@ def _spandrels(opening: Opening) -> list[Mesh]:
     """The wall between an arch and the rectangle around it."""
     arc, top = opening.outline()[2:], opening.top
     faces = []
-    for a, b in zip(arc[:-1], arc[1:], strict=True):
+    for a, b in pairwise(arc):
         corners = [(b[0], 0, b[1]), (a[0], 0, a[1]), (a[0], 0, top), (b[0], 0, top)]
         faces.append(polygon([c for i, c in enumerate(corners) if c != corners[i - 1]]))
     return faces
