@@ -4,9 +4,10 @@ A protocol is one small class below and one entry of `PROTOCOLS`. Its ``version`
 record; raise it when its figures change.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass
 from math import pi
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import torch
@@ -45,22 +46,22 @@ class Outcome:
     figures: dict[str, Any]
 
 
-class ViewProtocol(Protocol):
+class ViewProtocol(ABC):
     """What a protocol has."""
 
     name: str
     version: int
 
+    @abstractmethod
     def covers(self, view: View) -> bool:
         """Whether the view has what the protocol needs."""
-        ...
 
+    @abstractmethod
     def evaluate(self, bench: Bench, view: View) -> Outcome:
         """Render and score the view."""
-        ...
 
 
-class NerfOsr:
+class NerfOsr(ViewProtocol):
     """The published NeRF-OSR protocol: the session's LDR map, turned to the best of 51 angles.
 
     The angle is an oracle choice: it maximises the masked PSNR against the test photo itself.
@@ -98,7 +99,7 @@ class NerfOsr:
         return Outcome(picture, light, None, figures)
 
 
-class Exact:
+class Exact(ViewProtocol):
     """The true HDR map in its true orientation and the photo's own units; nothing is searched.
 
     Beside it stands an oracle that shades true albedo and normals diffusely under the same SH
@@ -126,7 +127,7 @@ class Exact:
         return Outcome(picture, light, None, figures)
 
 
-class Learned:
+class Learned(ViewProtocol):
     """Training views under the light and sky that were learned for them, passers-by left out."""
 
     name = "learned"

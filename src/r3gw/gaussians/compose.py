@@ -7,7 +7,7 @@ foreground-only and sky-only channel sum (1 each). The last two carry no colour 
 from dataclasses import dataclass
 
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.gaussians.foreground import directions_to, facing_normals
@@ -43,7 +43,7 @@ class Rendering:
     normal: Float[Tensor, "h w 3"]
     foreground: Float[Tensor, "h w"]
     sky: Float[Tensor, "h w"]
-    radii_px: Int[Tensor, "n"]
+    radii_px: Float[Tensor, "n"]
     means2d: Float[Tensor, "n 2"]
     depths: Float[Tensor, "n"]
 

@@ -1,0 +1,66 @@
+"""r3gw.evaluation.evaluate: the stage from files to files."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from r3gw.evaluation.evaluate import evaluate_run
+from r3gw.files import InputError
+from r3gw.imaging.files import read_linear, read_rgb
+from r3gw.lighting import sh
+
+
+def test_writes_records_lights_and_pictures(tiny, tmp_path):
+    target = tmp_path / "metrics"
+    evaluate_run(tiny.folder, tiny.masks, tiny.model_path, target, num_threads=1)
+    content = json.loads((target / "metrics.json").read_text())
+    assert content["run"]["variant"] == "full"
+    images = {(r["view"], r["protocol"]): r for r in content["images"]}
+    assert set(images) == {
+        ("b_exact", "nerf-osr"),
+        ("b_exact", "exact"),
+        ("c_swept", "nerf-osr"),
+        ("a_0", "learned"),
+        ("a_1", "learned"),
+    }
+    assert images["c_swept", "nerf-osr"]["psnr"] > 50
+    assert images["b_exact", "exact"]["scene"] == "tiny"
+    assert {r["view"] for r in content["decomposition"]} == {"b_exact", "a_0", "a_1"}
+    renders = {path.name for path in (target / "renders").iterdir()}
+    for kind in ("truth", "nerf-osr", "exact", "albedo", "normal", "depth", "sky", "foreground"):
+        assert f"b_exact_{kind}.png" in renders
+    assert {"a_0_learned.png", "a_0_albedo.png", "a_1_learned.png"} <= renders
+    difference = read_rgb(target / "renders/b_exact_exact.png").astype(int) - read_rgb(
+        target / "renders/b_exact_truth.png"
+    )
+    assert np.abs(difference).max() <= 1
+    # The wall stands 6 in front of every camera.
+    depth = read_linear(target / "renders/b_exact_depth.exr")
+    np.testing.assert_allclose(np.median(depth[20:, :, 0]), 6.0, rtol=0.02, atol=0)
+
+
+def test_lights_are_those_of_the_model(tiny, tmp_path):
+    evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path, num_threads=1)
+    lights = json.loads((tmp_path / "lights.json").read_text())
+    light, sky = tiny.model.appearance(1)
+    torch.testing.assert_close(torch.tensor(lights["a_1"]["light"]), light, rtol=1e-6, atol=1e-7)
+    torch.testing.assert_close(torch.tensor(lights["a_1"]["sky"]), sky, rtol=1e-6, atol=1e-7)
+    assert len(lights["a_0"]["light"]) == sh.num_coefficients(4)
+
+
+def test_same_inputs_give_the_same_bytes(tiny, tmp_path):
+    for name in ("one", "two"):
+        evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path / name, num_threads=1)
+    for path in sorted((tmp_path / "one").rglob("*.*")):
+        twin = tmp_path / "two" / path.relative_to(tmp_path / "one")
+        assert path.read_bytes() == twin.read_bytes(), path.name
+
+
+def test_missing_run_record_and_model_are_named(tiny, tmp_path):
+    with pytest.raises(InputError, match=r"run\.json: no such file; train"):
+        evaluate_run(tiny.folder, tiny.masks, tmp_path / "model.pt", tmp_path, num_threads=1)
+    (tmp_path / "run.json").write_text('{"scene": "tiny"}')
+    with pytest.raises(InputError, match=r"model\.pt: no such model"):
+        evaluate_run(tiny.folder, tiny.masks, tmp_path / "model.pt", tmp_path, num_threads=1)

@@ -1,0 +1,82 @@
+"""r3gw.evaluation.protocols on photos whose light is known, because a model made them."""
+
+import cv2
+import numpy as np
+import pytest
+import torch
+
+from r3gw.evaluation.protocols import (
+    PROTOCOLS,
+    Exact,
+    Learned,
+    NerfOsr,
+    diffuse_oracle,
+    published_light,
+)
+from r3gw.files import InputError
+from r3gw.imaging.masks import erode
+
+BEST_INDEX, SWEEP_RAD = 17, (-1.0, 1.5)
+
+
+def test_sweep_finds_the_angle_that_lit_the_photo(tiny):
+    outcome = NerfOsr().evaluate(tiny.bench, tiny.view("c_swept"))
+    figures = outcome.figures
+    assert int(np.argmax(figures["sweep_psnr"])) == BEST_INDEX
+    assert figures["angle_rad"] == pytest.approx(-1.0 + 2.5 * BEST_INDEX / 50, rel=1e-12, abs=0)
+    assert figures["psnr"] > 50  # only 8-bit rounding is left
+    assert len(figures["sweep_psnr"]) == len(figures["sweep_angles_rad"]) == 51
+    assert figures["sweep_psnr"][BEST_INDEX] == pytest.approx(figures["psnr"], rel=1e-9, abs=0)
+    assert min(figures["sweep_psnr"]) < 35  # the sun matters
+
+
+def test_exact_light_is_in_the_photos_own_units(tiny):
+    outcome = Exact().evaluate(tiny.bench, tiny.view("b_exact"))
+    assert outcome.figures["psnr"] > 50
+    assert outcome.figures["ssim"] > 0.99
+    assert outcome.figures["mae"] < 1 / 255
+
+
+def test_learned_light_and_sky(tiny):
+    outcome = Learned().evaluate(tiny.bench, tiny.view("a_1"))
+    assert outcome.figures["psnr"] > 50
+    assert outcome.figures["psnr_foreground"] > 50
+
+
+def test_figures_are_means_over_the_eroded_mask_alone(tiny):
+    view = tiny.view("b_exact")
+    outcome = Exact().evaluate(tiny.bench, view)
+    photo = cv2.imread(str(tiny.folder / view.image))[..., ::-1] / 255.0
+    mask = cv2.imread(str(tiny.folder / view.evaluation.mask), cv2.IMREAD_GRAYSCALE) > 127
+    mask = erode(mask, 5)
+    assert not mask[15].any()
+    assert mask[16].all()
+    expected = ((outcome.picture - photo)[mask] ** 2).mean()
+    assert outcome.figures["mse"] == pytest.approx(expected, rel=1e-9, abs=0)
+
+
+def test_which_views_are_covered(tiny):
+    covered = {
+        protocol.name: [v.name for v in tiny.bench.scene.views if protocol.covers(v)]
+        for protocol in PROTOCOLS
+    }
+    assert covered == {
+        "nerf-osr": ["b_exact", "c_swept"],
+        "exact": ["b_exact"],
+        "learned": ["a_0", "a_1"],
+    }
+
+
+def test_oracle_under_uniform_light(tiny, uniform_oracle):
+    light = torch.zeros(25, 3)
+    light[0] = 0.6 * (4 * np.pi) ** 0.5
+    picture = diffuse_oracle(tiny.bench, tiny.view("b_exact").truth, light)
+    np.testing.assert_allclose(picture[14:], uniform_oracle, rtol=1e-5, atol=0)
+    np.testing.assert_array_equal(picture[:14], 1.0)  # white sky
+
+
+def test_a_turn_about_y_or_z_is_refused(tiny):
+    view = tiny.view("c_swept")
+    entry = view.evaluation.model_copy(update={"rotation_rad": (-1.5, 0.2, 0.0)})
+    with pytest.raises(InputError, match=r"c_swept.*y=0\.2 and z=0.*about x alone"):
+        published_light(tiny.bench, view, entry)
