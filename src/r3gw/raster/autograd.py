@@ -106,5 +106,5 @@ class Composite(torch.autograd.Function):
             to_features = torch.nn.functional.pad(to_features, (0, rest))
         to_background = None
         if ctx.needs_input_grad[4]:
-            to_background = torch.einsum("hwc,hw->c", grad_image, 1 - alpha)
+            to_background = torch.ops.r3gw.background_gradient(grad_image, alpha)
         return to_means2d, to_factors, to_opacities, to_features, to_background, *[None] * 4

@@ -39,4 +39,9 @@ struct SplatGradient {
 void composite_backward(Frame& frame, const ChannelPass& pass, const ImageGradient& image,
                         const float* opacities, const SplatGradient& result);
 
+// Writes dL/dbackground [channels] of an image [rows, columns, channels]: the sum of gradient * (1
+// - alpha).
+void background_gradient(std::int64_t rows, std::int64_t columns, int channels,
+                         const ImageGradient& image, float* result);
+
 }  // namespace r3gw

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <stdexcept>
+#include <vector>
 
 #include "raster/csrc/blend.h"
 #include "raster/csrc/composite.h"
@@ -18,7 +19,7 @@
 namespace r3gw {
 namespace {
 
-constexpr std::int64_t kRanksPerPart = 2048;
+constexpr std::int64_t kRanksPerPart = 2048, kImageRowsPerPart = 32;
 
 // Columns of a gradient row: moments of dL/dln(alpha) over the pixels, then feature gradients.
 enum MomentColumn { kSum, kSumS, kSumT, kSumSS, kSumST, kSumTT, kMoments };
@@ -202,6 +203,21 @@ void composite_backward(Frame& frame, const ChannelPass& pass, const ImageGradie
     default:
       throw std::invalid_argument("no kernel of this width");
   }
+}
+
+// Row sums first, then the sum of the rows: an order that no number of threads changes.
+void background_gradient(std::int64_t rows, std::int64_t columns, int channels,
+                         const ImageGradient& image, float* result) {
+  std::vector<float> row_sums(rows * channels, 0.0f);
+  parallel_parts(rows, parts_for(rows, kImageRowsPerPart), [&](auto begin, auto end, int) {
+    for (std::int64_t pixel = begin * columns; pixel < end * columns; ++pixel) {
+      const float passed = 1.0f - image.alpha_drawn[pixel];
+      float* sum = row_sums.data() + pixel / columns * channels;
+      for (int c = 0; c < channels; ++c) sum[c] += passed * image.features[pixel * channels + c];
+    }
+  });
+  std::fill_n(result, channels, 0.0f);
+  for (std::size_t i = 0; i < row_sums.size(); ++i) result[i % channels] += row_sums[i];
 }
 
 }  // namespace r3gw

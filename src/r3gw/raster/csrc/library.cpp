@@ -138,6 +138,16 @@ std::tuple<Tensor, Tensor, Tensor, Tensor> composite_backward_op(
   return {grad_means2d, grad_factors, grad_opacities, grad_features};
 }
 
+Tensor background_gradient_op(const Tensor& grad_image, const Tensor& alpha) {
+  const auto channels = static_cast<int>(grad_image.size(2));
+  Tensor result = at::empty({channels}, grad_image.options());
+  background_gradient(
+      grad_image.size(0), grad_image.size(1), channels,
+      {grad_image.const_data_ptr<float>(), nullptr, nullptr, alpha.const_data_ptr<float>()},
+      result.data_ptr<float>());
+  return result;
+}
+
 }  // namespace
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
@@ -146,6 +156,7 @@ TORCH_LIBRARY_FRAGMENT(r3gw, library) {
   library.def("project_backward", &project_backward_op);
   library.def("composite", &composite_op);
   library.def("composite_backward", &composite_backward_op);
+  library.def("background_gradient", &background_gradient_op);
 }
 
 }  // namespace r3gw
