@@ -31,7 +31,7 @@ def generate(
     size_px: tuple[int, int] = (240, 180),
     train_views: int = 20,
     test_views: int = 4,
-    samples: int = 24,
+    samples: int = 20,
     show_progress: bool = True,
 ) -> None:
     """Render a scene and write it to ``target`` as layout A plus ground truth.

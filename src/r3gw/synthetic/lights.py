@@ -147,13 +147,14 @@ def _with_clouds(
     level: NDArray[np.float64],
 ) -> Map:
     """Separate clouds: noise on a layer above, bright towards the sun, thin towards the horizon."""
-    field = cv2.GaussianBlur(noise(random, 1.45).astype(np.float32), (0, 0), 1.0)
+    field = noise(random, 1.55).astype(np.float32)
     streak = noise(random, 1.2, (1.0, 0.4)).astype(np.float32)
     height = np.maximum(-directions[..., 1], 0.02)
     scale = 34.0 / (height + 0.12)
-    x = np.mod(directions[..., 0] * scale, field.shape[1] - 1).astype(np.float32)
-    y = np.mod(directions[..., 2] * scale, field.shape[0] - 1).astype(np.float32)
-    density = cv2.remap(field + 0.35 * streak, x, y, cv2.INTER_LINEAR)
+    x = np.mod(directions[..., 0] * scale, field.shape[1]).astype(np.float32)
+    y = np.mod(directions[..., 2] * scale, field.shape[0]).astype(np.float32)
+    layer = np.pad(field + 0.35 * streak, ((0, 1), (0, 1)), mode="wrap")
+    density = cv2.remap(layer, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     threshold = 1.6 - 2.6 * session.clouds
     cover = np.clip((density - threshold) / 1.1, 0, 1) ** 0.8
     cover = cover * min(1.0, 3.0 * session.clouds)

@@ -11,9 +11,12 @@ from itertools import pairwise
 from math import cos, radians, sin
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Number = float | int
+Vector = Sequence[Number] | Array
+Points = Sequence[Vector] | Array
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Mesh:
     uvs: Array
     faces: NDArray[np.int64]
 
-    def placed(self, turn_deg: float = 0.0, offset: ArrayLike = (0.0, 0.0, 0.0)) -> "Mesh":
+    def placed(self, turn_deg: Number = 0.0, offset: Vector = (0.0, 0.0, 0.0)) -> "Mesh":
         """The mesh turned about z (counter-clockwise seen from above), then moved."""
         c, s = cos(radians(turn_deg)), sin(radians(turn_deg))
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -43,7 +46,7 @@ class Mesh:
 Part = tuple[str, Mesh]
 
 
-def place(parts: Sequence[Part], turn_deg: float, offset: ArrayLike) -> list[Part]:
+def place(parts: Sequence[Part], turn_deg: Number, offset: Vector) -> list[Part]:
     """Turn and move every part as `Mesh.placed` does."""
     return [(material, mesh.placed(turn_deg, offset)) for material, mesh in parts]
 
@@ -59,7 +62,7 @@ def join(meshes: Sequence[Mesh]) -> Mesh:
     )
 
 
-def polygon(corners: ArrayLike) -> Mesh:
+def polygon(corners: Points) -> Mesh:
     """Flat convex polygon ``[N, 3]``, counter-clockwise seen from outside."""
     points = np.asarray(corners, dtype=np.float64)
     ahead = np.roll(points, -1, axis=0)
@@ -80,7 +83,7 @@ def _flat_uvs(points: Array, normal: Array) -> Array:
     return np.stack([points @ level, points @ np.cross(normal, level)], axis=1)
 
 
-def box(low: ArrayLike, high: ArrayLike) -> Mesh:
+def box(low: Vector, high: Vector) -> Mesh:
     """Box between two corners, six flat faces."""
     (x0, y0, z0), (x1, y1, z1) = np.asarray(low, float), np.asarray(high, float)
     a, b, c, d = (x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0)
@@ -89,7 +92,7 @@ def box(low: ArrayLike, high: ArrayLike) -> Mesh:
     return join([polygon(side) for side in sides])
 
 
-def prism(outline: ArrayLike, y0: float, y1: float) -> Mesh:
+def prism(outline: Points, y0: Number, y1: Number) -> Mesh:
     """Convex outline ``[N, 2]`` in x and z, counter-clockwise seen from -y, from y0 to y1."""
     points = np.asarray(outline, dtype=np.float64)
     front = np.insert(points, 1, y0, axis=1)
@@ -99,7 +102,7 @@ def prism(outline: ArrayLike, y0: float, y1: float) -> Mesh:
     return join([polygon(front), polygon(back[::-1]), *sides])
 
 
-def lathe(profile: ArrayLike, sides: int = 20, smooth: bool = True) -> Mesh:
+def lathe(profile: Points, sides: int = 20, smooth: bool = True) -> Mesh:
     """Turn a profile ``[N, 2]`` of (radius, z), upwards, about the z axis.
 
     Normals are smooth around the axis (flat for ``smooth=False``), hard along the profile.
@@ -139,7 +142,7 @@ def _distinct(corners: Sequence[Array]) -> list[Array]:
     return [p for i, p in enumerate(corners) if np.linalg.norm(p - corners[i - 1]) > 1e-9]
 
 
-def moulding(low: Sequence[float], high: Sequence[float], profile: ArrayLike) -> Mesh:
+def moulding(low: Vector, high: Vector, profile: Points) -> Mesh:
     """Run a profile ``[N, 2]`` of (outward offset, z), upwards, around a rectangle in x and y.
 
     The top is closed, so that a moulding is a cornice, a plinth or a flight of steps.

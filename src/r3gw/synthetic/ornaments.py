@@ -1,16 +1,26 @@
 """Stock pieces of buildings: columns, balustrades, pediments, roofs, chimneys, lamps, urns."""
 
-from collections.abc import Sequence
 from math import atan2, cos, degrees, hypot, radians, sin
 
 import numpy as np
 
-from r3gw.synthetic.meshes import Mesh, Part, box, join, lathe, moulding, polygon, prism
+from r3gw.synthetic.meshes import (
+    Mesh,
+    Number,
+    Part,
+    Vector,
+    box,
+    join,
+    lathe,
+    moulding,
+    polygon,
+    prism,
+)
 
 CORNICE = ((0.0, 0.0), (0.05, 0.02), (0.07, 0.08), (0.15, 0.14), (0.22, 0.16), (0.22, 0.24))
 
 
-def column(height: float, radius: float, sides: int = 20) -> Mesh:
+def column(height: Number, radius: Number, sides: int = 20) -> Mesh:
     """A Tuscan column with base, entasis, necking, echinus and abacus, its foot at the origin."""
     shaft = [
         (radius * (1.0 - 0.16 * f**1.8), 0.13 * height / 3 + f * height * 0.86)
@@ -38,7 +48,7 @@ def column(height: float, radius: float, sides: int = 20) -> Mesh:
     return join([plinth, lathe(profile, sides), abacus])
 
 
-def balustrade(length: float, height: float = 0.55) -> Mesh:
+def balustrade(length: Number, height: Number = 0.55) -> Mesh:
     """Turned balusters between two rails, along x from the origin."""
     h = height
     profile = [
@@ -59,10 +69,10 @@ def balustrade(length: float, height: float = 0.55) -> Mesh:
         box((length - 0.1, -0.11, 0), (length + 0.1, 0.11, h + 0.04)),
     ]
     places = (np.arange(count) + 0.5) * length / count
-    return join([*rails, *(baluster.placed(0, (x, 0, 0)) for x in places)])
+    return join([*rails, *(baluster.placed(0.0, (x, 0, 0)) for x in places)])
 
 
-def pediment(width: float, height: float, depth: float, relief: float = 0.14) -> Mesh:
+def pediment(width: Number, height: Number, depth: Number, relief: Number = 0.14) -> Mesh:
     """A triangular gable over a span along x from the origin, with raised raking cornices."""
     slope = degrees(atan2(height, width / 2))
     length = hypot(height, width / 2)
@@ -75,21 +85,21 @@ def pediment(width: float, height: float, depth: float, relief: float = 0.14) ->
     return join([tympanum, left, right, floor])
 
 
-def _pitched(mesh: Mesh, angle_deg: float) -> Mesh:
+def _pitched(mesh: Mesh, angle_deg: Number) -> Mesh:
     """Turn about the y axis so that +x rises."""
     c, s = cos(radians(angle_deg)), sin(radians(angle_deg))
     turn = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
     return Mesh(mesh.vertices @ turn.T, mesh.normals @ turn.T, mesh.uvs, mesh.faces)
 
 
-def _mirrored(mesh: Mesh, width: float) -> Mesh:
+def _mirrored(mesh: Mesh, width: Number) -> Mesh:
     """Reflect in the plane x = width / 2."""
     flip = np.array([-1.0, 1.0, 1.0])
     moved = mesh.vertices * flip + np.array([width, 0.0, 0.0])
     return Mesh(moved, mesh.normals * flip, mesh.uvs, mesh.faces[:, ::-1].copy())
 
 
-def tiled_slope(eaves: float, run: float, rise: float, courses: int) -> Mesh:
+def tiled_slope(eaves: Number, run: Number, rise: Number, courses: int) -> Mesh:
     """One roof slope: courses of overlapping tiles, eaves along x at the origin, rising into +y."""
     faces = []
     thick = 0.045
@@ -102,17 +112,15 @@ def tiled_slope(eaves: float, run: float, rise: float, courses: int) -> Mesh:
     return join(faces)
 
 
-def gable_roof(
-    low: Sequence[float], high: Sequence[float], rise: float, overhang: float, courses: int
-) -> Mesh:
+def gable_roof(low: Vector, high: Vector, rise: Number, overhang: Number, courses: int) -> Mesh:
     """Two tiled slopes over a rectangle, the ridge along y, with verge boards; eaves at z = 0."""
     (x0, y0), (x1, y1) = low, high
     half = (x1 - x0) / 2
     drop = overhang * rise / half
     length = y1 - y0 + 2 * overhang
     slope = tiled_slope(length, half + overhang, rise + drop, courses)
-    left = slope.placed(-90, (x0 - overhang, y1 + overhang, -drop))
-    right = slope.placed(90, (x1 + overhang, y0 - overhang, -drop))
+    left = slope.placed(-90.0, (x0 - overhang, y1 + overhang, -drop))
+    right = slope.placed(90.0, (x1 + overhang, y0 - overhang, -drop))
     ridge = lathe([(0.09, 0.0), (0.09, length)], 10)
     turned = ridge.vertices[:, [0, 2, 1]] * np.array([1.0, 1.0, -1.0])
     normals = ridge.normals[:, [0, 2, 1]] * np.array([1.0, 1.0, -1.0])
@@ -121,7 +129,7 @@ def gable_roof(
     return join([left, right, cap])
 
 
-def pyramid(low: Sequence[float], high: Sequence[float], height: float, courses: int) -> Mesh:
+def pyramid(low: Vector, high: Vector, height: Number, courses: int) -> Mesh:
     """A stepped-tile pyramid roof over a rectangle, eaves at z = 0, closed below."""
     (x0, y0), (x1, y1) = low, high
     half = min(x1 - x0, y1 - y0) / 2
@@ -134,9 +142,7 @@ def pyramid(low: Sequence[float], high: Sequence[float], height: float, courses:
     return join([moulding(low, high, profile), base])
 
 
-def steps(
-    low: Sequence[float], high: Sequence[float], count: int, rise: float, tread: float
-) -> Mesh:
+def steps(low: Vector, high: Vector, count: int, rise: Number, tread: Number) -> Mesh:
     """A flight of steps on all sides of a rectangle; its top has the rectangle's size."""
     profile = []
     for i in range(count):
@@ -145,7 +151,7 @@ def steps(
     return moulding(low, high, profile)
 
 
-def urn(height: float) -> Mesh:
+def urn(height: Number) -> Mesh:
     """A garden urn on a pedestal, its foot at the origin."""
     h = height
     profile = [(0.1, 0.5), (0.05, 0.56), (0.05, 0.6), (0.2, 0.74), (0.22, 0.85), (0.17, 0.92)]
@@ -158,7 +164,7 @@ def urn(height: float) -> Mesh:
     return join([foot, bowl])
 
 
-def lamp(height: float) -> list[Part]:
+def lamp(height: Number) -> list[Part]:
     """A cast-iron street lamp, its foot at the origin."""
     pole = lathe([(0.1, 0), (0.1, 0.2), (0.05, 0.3), (0.035, height), (0.07, height + 0.03)], 10)
     cage = lathe([(0.09, height + 0.03), (0.15, height + 0.33)], 6, smooth=False)
@@ -166,7 +172,7 @@ def lamp(height: float) -> list[Part]:
     return [("metal", join([pole, hood])), ("glass", cage)]
 
 
-def chimney(x: float, y: float, z: float, height: float) -> Mesh:
+def chimney(x: Number, y: Number, z: Number, height: Number) -> Mesh:
     """A chimney with a moulded head and two pots."""
     stack = moulding((x - 0.3, y - 0.2), (x + 0.3, y + 0.2), [(0, z), (0, z + height)])
     head = moulding(

@@ -30,12 +30,12 @@ def person(random: np.random.Generator) -> list[Part]:
     """A standing person about 1.15 units tall."""
     height = random.uniform(1.05, 1.22)
     legs = [
-        lathe([(0.055, 0), (0.06, 0.25), (0.08, 0.5)], 10).placed(0, (dx, dy, 0))
+        lathe([(0.055, 0), (0.06, 0.25), (0.08, 0.5)], 10).placed(0.0, (dx, dy, 0))
         for dx, dy in ((-0.07, 0.04), (0.07, -0.05))
     ]
     torso = lathe([(0.13, 0.45), (0.14, 0.55), (0.13, 0.7), (0.16, 0.85), (0.08, 0.95)], 12)
     arms = [
-        lathe([(0.035, 0.47), (0.05, 0.65), (0.055, 0.88)], 8).placed(0, (dx, 0, 0))
+        lathe([(0.035, 0.47), (0.05, 0.65), (0.055, 0.88)], 8).placed(0.0, (dx, 0, 0))
         for dx in (-0.2, 0.2)
     ]
     turn = np.linspace(-np.pi / 2, np.pi / 2, 9)
@@ -70,7 +70,7 @@ def car() -> list[Part]:
         wheel.uvs,
         wheel.faces,
     )
-    wheels = [turned.placed(0, (x, y, 0.24)) for x in (-0.9, 0.9) for y in (-0.03, 1.06)]
+    wheels = [turned.placed(0.0, (x, y, 0.24)) for x in (-0.9, 0.9) for y in (-0.03, 1.06)]
     return [
         ("paint", join([body, roof, *pillars])),
         ("screen", cabin),

@@ -12,7 +12,7 @@ import numpy as np
 from r3gw.synthetic import plants, textures
 from r3gw.synthetic.lights import Session
 from r3gw.synthetic.materials import Kind, Material
-from r3gw.synthetic.meshes import Part, box, place, polygon
+from r3gw.synthetic.meshes import Number, Part, Vector, box, place, polygon
 from r3gw.synthetic.ornaments import gable_roof
 from r3gw.synthetic.walls import Opening, wall, window
 
@@ -133,13 +133,13 @@ def _house(random: np.random.Generator) -> list[Part]:
     return [
         ("far_wall", box((-half, 0, 0), (half, depth, height))),
         *(("far_glass", pane) for pane in panes),
-        ("far_roof", roof.placed(0, (0, 0, height))),
+        ("far_roof", roof.placed(0.0, (0, 0, height))),
     ]
 
 
 def facade(
-    width: float,
-    height: float,
+    width: Number,
+    height: Number,
     openings: list[Opening],
     material: str,
     panes: tuple[int, int] = (2, 3),
@@ -151,9 +151,7 @@ def facade(
     return parts
 
 
-def turned_walls(
-    low: tuple[float, float], high: tuple[float, float], sides: dict[str, list[Part]]
-) -> list[Part]:
+def turned_walls(low: Vector, high: Vector, sides: dict[str, list[Part]]) -> list[Part]:
     """Put wall-coordinate parts on the sides ``front right back left`` of a rectangle."""
     (x0, y0), (x1, y1) = low, high
     spots = {

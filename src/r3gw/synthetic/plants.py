@@ -4,10 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from r3gw.synthetic.meshes import Array, Mesh, Part, lathe
+from r3gw.synthetic.meshes import Array, Mesh, Number, Part, Vector, lathe
 
 
-def leaves(random: np.random.Generator, centres: Array, size: float, upright: float = 0.0) -> Mesh:
+def leaves(
+    random: np.random.Generator, centres: Array, size: Number, upright: Number = 0.0
+) -> Mesh:
     """One small quad per centre ``[N, 3]``, turned at random; ``upright`` 1 stands it up."""
     count = len(centres)
     normals = random.standard_normal((count, 3)) * np.array([1.0, 1.0, 1.0 - upright])
@@ -32,9 +34,7 @@ def leaves(random: np.random.Generator, centres: Array, size: float, upright: fl
     return Mesh(corners.reshape(-1, 3), np.repeat(normals, 4, axis=0), uvs.reshape(-1, 2), faces)
 
 
-def cloud(
-    random: np.random.Generator, centre: Sequence[float], radii: Sequence[float], count: int
-) -> Array:
+def cloud(random: np.random.Generator, centre: Vector, radii: Vector, count: int) -> Array:
     """Points ``[count, 3]`` in the outer part of an ellipsoid with lumps."""
     directions = random.standard_normal((count, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
@@ -46,7 +46,7 @@ def cloud(
 
 
 def tree(
-    random: np.random.Generator, height: float, spread: float, count: int = 1300
+    random: np.random.Generator, height: Number, spread: Number, count: int = 1300
 ) -> list[Part]:
     """A broad-leaved tree: a trunk and a crown of several leaf clouds."""
     bole = 0.045 * height
@@ -76,7 +76,7 @@ def tree(
     return [("bark", trunk), ("leaves", crown)]
 
 
-def cypress(random: np.random.Generator, height: float, count: int = 1500) -> list[Part]:
+def cypress(random: np.random.Generator, height: Number, count: int = 1500) -> list[Part]:
     """A narrow, dark tree."""
     f = random.uniform(0.02, 1.0, count)
     radius = 0.16 * height * np.sin(np.pi * f**0.65) * random.uniform(0.5, 1.0, count)
@@ -86,7 +86,9 @@ def cypress(random: np.random.Generator, height: float, count: int = 1500) -> li
     return [("bark", trunk), ("needles", leaves(random, points, 0.042 * height, 0.5))]
 
 
-def bush(random: np.random.Generator, radius: float, height: float, count: int = 700) -> list[Part]:
+def bush(
+    random: np.random.Generator, radius: Number, height: Number, count: int = 700
+) -> list[Part]:
     """A rounded shrub."""
     points = cloud(random, (0, 0, height * 0.45), (radius, radius, height * 0.55), count)
     points[:, 2] = np.abs(points[:, 2])
@@ -94,7 +96,7 @@ def bush(random: np.random.Generator, radius: float, height: float, count: int =
 
 
 def hedge(
-    random: np.random.Generator, low: Sequence[float], high: Sequence[float], density: float = 700.0
+    random: np.random.Generator, low: Vector, high: Vector, density: Number = 700.0
 ) -> list[Part]:
     """A clipped hedge filling a box, ``density`` leaves per square unit of its skin."""
     lower, upper = np.asarray(low, float), np.asarray(high, float)
@@ -114,9 +116,7 @@ def _shares(areas: Sequence[float]) -> Array:
     return shares
 
 
-def tufts(
-    random: np.random.Generator, low: Sequence[float], high: Sequence[float], count: int
-) -> list[Part]:
+def tufts(random: np.random.Generator, low: Vector, high: Vector, count: int) -> list[Part]:
     """Blades of grass scattered over a rectangle in x and y."""
     spots = random.uniform((low[0], low[1]), (high[0], high[1]), (count, 2))
     points = np.insert(spots, 2, 0.03, axis=1)

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from r3gw.synthetic.meshes import Array, Mesh, Part, box, join, polygon
+from r3gw.synthetic.meshes import Array, Mesh, Number, Part, box, join, polygon
 
 ARC_SEGMENTS = 12
 
@@ -26,12 +26,12 @@ class Opening:
         depth: How far the window or door stands back.
     """
 
-    left: float
-    right: float
-    bottom: float
-    top: float
+    left: Number
+    right: Number
+    bottom: Number
+    top: Number
     is_arched: bool = False
-    depth: float = 0.22
+    depth: Number = 0.22
 
     @property
     def radius(self) -> float:
@@ -43,7 +43,7 @@ class Opening:
         """Horizontal middle."""
         return (self.right + self.left) / 2
 
-    def outline(self, grow: float = 0.0) -> Array:
+    def outline(self, grow: Number = 0.0) -> Array:
         """Corners ``[N, 2]``, counter-clockwise from bottom left; sides and top move out."""
         left, right, top = self.left - grow, self.right + grow, self.top + grow
         if not self.is_arched:
@@ -55,7 +55,7 @@ class Opening:
         return np.concatenate([[(left, self.bottom), (right, self.bottom)], arc])
 
 
-def wall(width: float, height: float, openings: Sequence[Opening]) -> Mesh:
+def wall(width: Number, height: Number, openings: Sequence[Opening]) -> Mesh:
     """The wall's face with its holes, and the reveals."""
     xs = sorted({0.0, width, *(x for o in openings for x in (o.left, o.right))})
     zs = sorted({0.0, height, *(z for o in openings for z in (o.bottom, o.top))})
@@ -72,7 +72,7 @@ def wall(width: float, height: float, openings: Sequence[Opening]) -> Mesh:
     return join(faces)
 
 
-def _reveal(outline: Array, depth: float) -> list[Mesh]:
+def _reveal(outline: Array, depth: Number) -> list[Mesh]:
     """The inside faces of a hole."""
     pairs = zip(outline, np.roll(outline, -1, axis=0), strict=True)
     return [
@@ -92,7 +92,7 @@ def _spandrels(opening: Opening) -> list[Mesh]:
     return faces
 
 
-def surround(opening: Opening, width: float, relief: float) -> Mesh:
+def surround(opening: Opening, width: Number, relief: Number) -> Mesh:
     """A raised band around an opening, standing ``relief`` out of the wall."""
     inner = np.roll(opening.outline(), -1, axis=0)  # From bottom right over the top to bottom left
     outer = np.roll(opening.outline(width), -1, axis=0)

@@ -53,7 +53,7 @@ def _nave() -> list[Part]:
     for x in (0.12, 1.72, 3.3, 4.9, 6.7):
         pier = box((x - 0.17, -0.42, 0), (x + 0.17, 0, 2.1))
         cap = prism([(-0.42, 2.1), (0, 2.1), (0, 2.7)], -0.17, 0.17)
-        side += [("stone", pier), ("trim", cap.placed(90, (x, 0, 0)))]
+        side += [("stone", pier), ("trim", cap.placed(90.0, (x, 0, 0)))]
     back = [("stone", wall(4.8, WALL, []))]
     parts = turned_walls(NAVE_LOW, NAVE_HIGH, {"right": side, "left": side, "back": back})
     plinth = [(0.1, 0.0), (0.1, 0.42), (0.03, 0.5), (0.0, 0.5)]
@@ -62,8 +62,8 @@ def _nave() -> list[Part]:
     return [
         *parts,
         ("trim", moulding(NAVE_LOW, NAVE_HIGH, plinth)),
-        ("trim", moulding(NAVE_LOW, NAVE_HIGH, eaves).placed(0, (0, 0, WALL - 0.2))),
-        ("slate", roof.placed(0, (0, 0, WALL + 0.05))),
+        ("trim", moulding(NAVE_LOW, NAVE_HIGH, eaves).placed(0.0, (0, 0, WALL - 0.2))),
+        ("slate", roof.placed(0.0, (0, 0, WALL + 0.05))),
         ("stone", prism([(-2.4, WALL), (2.4, WALL), (0, WALL + RIDGE)], 0.0, 0.3)),
         ("stone", prism([(-2.4, WALL), (2.4, WALL), (0, WALL + RIDGE)], 6.7, 7.0)),
     ]
@@ -81,7 +81,7 @@ def _front() -> list[Part]:
         front.append(("trim", surround(portal, width, relief)))
     for x in (1.48, 3.32):
         shaft = lathe([(0.09, 0), (0.09, 0.1), (0.06, 0.14), (0.06, 1.5), (0.1, 1.62)], 12)
-        front.append(("trim", shaft.placed(0, (x, -0.22, 0))))
+        front.append(("trim", shaft.placed(0.0, (x, -0.22, 0))))
     front += _rose((2.4, 3.75), 0.72)
     front.append(("trim", box((-0.05, -0.1, 2.72), (4.85, 0, 2.86))))
     rake = np.degrees(np.arctan2(RIDGE, 2.4))
@@ -90,7 +90,7 @@ def _front() -> list[Part]:
     front.append(("trim", box((2.12, -0.05, 6.18), (2.68, 0.1, 6.32))))
     parts = turned_walls(NAVE_LOW, NAVE_HIGH, {"front": front})
     flight = steps((-1.1, -0.75), (1.1, 0.0), 3, 0.1, 0.24)
-    return [*parts, ("trim", flight.placed(0, (0, 0, 0)))]
+    return [*parts, ("trim", flight.placed(0.0, (0, 0, 0)))]
 
 
 def _coping(angle_deg: float) -> Mesh:
@@ -162,9 +162,12 @@ def _tower() -> list[Part]:
     return [
         *parts,
         ("trim", moulding(TOWER_LOW, TOWER_HIGH, plinth)),
-        *(("trim", moulding(TOWER_LOW, TOWER_HIGH, band).placed(0, (0, 0, z))) for z in (3.0, 3.7)),
-        ("trim", moulding(TOWER_LOW, TOWER_HIGH, crown).placed(0, (0, 0, TOWER - 0.1))),
-        ("slate", roof.placed(0, (0, 0, TOWER + 0.2))),
+        *(
+            ("trim", moulding(TOWER_LOW, TOWER_HIGH, band).placed(0.0, (0, 0, z)))
+            for z in (3.0, 3.7)
+        ),
+        ("trim", moulding(TOWER_LOW, TOWER_HIGH, crown).placed(0.0, (0, 0, TOWER - 0.1))),
+        ("slate", roof.placed(0.0, (0, 0, TOWER + 0.2))),
         (
             "metal",
             lathe([(0.03, 0), (0.02, 0.7), (0.09, 0.75), (0.0, 0.9)], 8).placed(
@@ -205,16 +208,16 @@ def _grounds(random: np.random.Generator) -> list[Part]:
 PLACE = Place(
     "chapel",
     (
-        Session("14-04_09_10", 118, 27, 2.6, 0.0, 0.25),
-        Session("14-04_13_40", 196, 52, 3.0, 0.0, 0.4),
-        Session("02-06_18_20", 257, 22, 4.0, 0.0, 0.2),
-        Session("21-08_11_00", 160, 46, 5.5, 0.35, 0.5),
-        Session("09-10_15_30", 228, 30, 3.0, 0.95, 0.3),
-        Session("30-11_08_40", 139, 12, 3.2, 0.1, 0.35),
-        Session("17-05_10_30", 137, 41, 2.8, 0.0, 0.15, True),
-        Session("17-05_17_10", 241, 33, 3.4, 0.05, 0.35, True),
-        Session("05-09_12_20", 178, 44, 6.0, 0.6, 0.4, True),
-        Session("26-02_15_50", 214, 18, 2.4, 0.0, 0.3, True),
+        Session("14-04_09_10", 118.0, 27.0, 2.6, 0.0, 0.25),
+        Session("14-04_13_40", 196.0, 52.0, 3.0, 0.0, 0.4),
+        Session("02-06_18_20", 257.0, 22.0, 4.0, 0.0, 0.2),
+        Session("21-08_11_00", 160.0, 46.0, 5.5, 0.35, 0.5),
+        Session("09-10_15_30", 228.0, 30.0, 3.0, 0.95, 0.3),
+        Session("30-11_08_40", 139.0, 12.0, 3.2, 0.1, 0.35),
+        Session("17-05_10_30", 137.0, 41.0, 2.8, 0.0, 0.15, True),
+        Session("17-05_17_10", 241.0, 33.0, 3.4, 0.05, 0.35, True),
+        Session("05-09_12_20", 178.0, 44.0, 6.0, 0.6, 0.4, True),
+        Session("26-02_15_50", 214.0, 18.0, 2.4, 0.0, 0.3, True),
     ),
     Walk((0.7, 1.0, 3.0), 9.2, 11.8, 52.0, 1.15, (0.76, 1.02)),
     build,

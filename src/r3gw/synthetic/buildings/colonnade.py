@@ -46,7 +46,13 @@ def build(random: np.random.Generator) -> tuple[list[Part], dict[str, Material]]
         "wing": Material(textures.plaster(random, (0.58, 0.36, 0.2), 0.06), 3.0, roughness=0.8),
         "copper": Material(
             textures.blocks(
-                random, (0.16, 0.27, 0.23), 3, 10, joint=(0.1, 0.17, 0.15), variation=0.06, shift=0
+                random,
+                (0.16, 0.27, 0.23),
+                3,
+                10,
+                joint=(0.1, 0.17, 0.15),
+                variation=0.06,
+                shift=0.0,
             ),
             4.0,
             roughness=0.45,
@@ -63,13 +69,13 @@ def _portico() -> list[Part]:
     shaft = column(COLUMN, 0.24, 22)
     feet = [(x, 0.0) for x in np.linspace(-HALF + 0.3, HALF - 0.3, 6)]
     feet += [(-HALF + 0.3, 1.15), (HALF - 0.3, 1.15)]
-    columns = join([shaft.placed(0, (x, y, FLOOR)) for x, y in feet])
+    columns = join([shaft.placed(0.0, (x, y, FLOOR)) for x, y in feet])
     z = FLOOR + COLUMN
     low, high = (-HALF, -0.28), (HALF, BACK)
     architrave = moulding(low, high, [(0, z), (0, z + 0.16), (0.03, z + 0.17), (0.03, z + 0.3)])
     frieze = moulding(low, high, [(0.0, z + 0.3), (0.0, z + 0.72)])
-    cornice = moulding(low, high, CORNICE).placed(0, (0, 0, z + 0.72))
-    gable = pediment(2 * HALF + 0.3, 1.25, BACK + 0.3).placed(0, (-HALF - 0.15, -0.3, z + 1.0))
+    cornice = moulding(low, high, CORNICE).placed(0.0, (0, 0, z + 0.72))
+    gable = pediment(2 * HALF + 0.3, 1.25, BACK + 0.3).placed(0.0, (-HALF - 0.15, -0.3, z + 1.0))
     return [
         ("trim", flight),
         ("marble", polygon([(x, y, FLOOR + 0.012) for x, y in floor])),
@@ -133,8 +139,8 @@ def _cella() -> list[Part]:
     return [
         *parts,
         ("trim", moulding(low, high, base)),
-        ("trim", moulding(low, high, CORNICE).placed(0, (0, 0, tall))),
-        ("copper", roof.placed(0, (0, 0, tall + 0.3))),
+        ("trim", moulding(low, high, CORNICE).placed(0.0, (0, 0, tall))),
+        ("copper", roof.placed(0.0, (0, 0, tall + 0.3))),
     ]
 
 
@@ -152,8 +158,8 @@ def _wings() -> list[Part]:
         low, high = (low_x, 2.6), (low_x + width, 5.8)
         parts += turned_walls(low, high, {"front": front, "left": side, "right": side})
         parts.append(("trim", moulding(low, high, [(0.07, 0.0), (0.07, 0.36), (0.0, 0.42)])))
-        parts.append(("trim", moulding(low, high, CORNICE).placed(0, (0, 0, height))))
-        parts.append(("trim", balustrade(width).placed(0, (low_x, 2.7, height + 0.24))))
+        parts.append(("trim", moulding(low, high, CORNICE).placed(0.0, (0, 0, height))))
+        parts.append(("trim", balustrade(width).placed(0.0, (low_x, 2.7, height + 0.24))))
     return parts
 
 
@@ -169,7 +175,7 @@ def _square(random: np.random.Generator) -> list[Part]:
     for x in (-3.95, 3.95):
         shape = [(0.06, 0), (0.06, 0.1), (0, 0.16), (0, 0.7), (0.06, 0.76), (0.06, 0.84)]
         pedestal = moulding((x - 0.3, -0.9), (x + 0.3, -0.3), shape)
-        parts += [("trim", pedestal), ("trim", urn(1.0).placed(0, (x, -0.6, 0.84)))]
+        parts += [("trim", pedestal), ("trim", urn(1.0).placed(0.0, (x, -0.6, 0.84)))]
     for x, y in ((-2.3, -3.2), (2.3, -3.2)):
         parts += place(lamp(2.1), 0, (x, y, 0))
     for x, y, height in ((-8.6, 0.6, 4.4), (-8.9, 4.6, 5.2), (8.8, 0.2, 4.8), (9.2, 5.0, 4.6)):
@@ -182,16 +188,16 @@ def _square(random: np.random.Generator) -> list[Part]:
 PLACE = Place(
     "colonnade",
     (
-        Session("03-03_10_20", 135, 28, 3.0, 0.0, 0.2),
-        Session("03-03_16_40", 243, 16, 3.6, 0.0, 0.3),
-        Session("11-06_12_50", 187, 61, 2.4, 0.0, 0.35),
-        Session("19-07_19_00", 268, 17, 3.0, 0.05, 0.45),
-        Session("28-09_14_10", 205, 40, 7.0, 0.55, 0.4),
-        Session("15-12_11_30", 166, 20, 3.0, 1.0, 0.2),
-        Session("23-05_09_00", 112, 36, 2.6, 0.0, 0.3, True),
-        Session("23-05_15_40", 226, 45, 3.2, 0.0, 0.15, True),
-        Session("07-10_11_10", 158, 33, 5.0, 0.3, 0.5, True),
-        Session("12-01_13_20", 192, 24, 4.0, 0.85, 0.3, True),
+        Session("03-03_10_20", 135.0, 28.0, 3.0, 0.0, 0.2),
+        Session("03-03_16_40", 243.0, 16.0, 3.6, 0.0, 0.3),
+        Session("11-06_12_50", 187.0, 61.0, 2.4, 0.0, 0.35),
+        Session("19-07_19_00", 268.0, 17.0, 3.0, 0.05, 0.45),
+        Session("28-09_14_10", 205.0, 40.0, 7.0, 0.55, 0.4),
+        Session("15-12_11_30", 166.0, 20.0, 3.0, 1.0, 0.2),
+        Session("23-05_09_00", 112.0, 36.0, 2.6, 0.0, 0.3, True),
+        Session("23-05_15_40", 226.0, 45.0, 3.2, 0.0, 0.15, True),
+        Session("07-10_11_10", 158.0, 33.0, 5.0, 0.3, 0.5, True),
+        Session("12-01_13_20", 192.0, 24.0, 4.0, 0.85, 0.3, True),
     ),
     Walk((0.0, 1.2, 2.8), 9.6, 11.6, 48.0, 1.15, (0.74, 1.0)),
     build,

@@ -54,7 +54,7 @@ def build(random: np.random.Generator) -> tuple[list[Part], dict[str, Material]]
         "shutter": Material(textures.planks(random, (0.06, 0.17, 0.11), 10), 0.8, roughness=0.5),
         "awning": Material(
             textures.blocks(
-                random, (0.6, 0.56, 0.47), 1, 8, joint=(0.45, 0.05, 0.05), joint_px=32, shift=0
+                random, (0.6, 0.56, 0.47), 1, 8, joint=(0.45, 0.05, 0.05), joint_px=32, shift=0.0
             ),
             1.6,
         ),
@@ -73,7 +73,7 @@ def _ground_storey() -> list[Part]:
     front += [("trim", surround(o, 0.1, 0.1)) for o in (portal, *arches)]
     for o in (portal, *arches):
         key = prism([(-0.07, 0), (0.07, 0), (0.1, 0.24), (-0.1, 0.24)], -0.15, 0)
-        front.append(("trim", key.placed(0, (o.middle, 0, o.top - 0.03))))
+        front.append(("trim", key.placed(0.0, (o.middle, 0, o.top - 0.03))))
     side_windows = [Opening(y - 0.3, y + 0.3, 0.62, 1.45, False, 0.2) for y in (1.0, 2.3, 3.6)]
     side = facade(DEPTH, BASE, side_windows, "stone", (2, 2))
     back = [("stone", wall(WIDTH, BASE, []))]
@@ -117,7 +117,7 @@ def _upper_storeys() -> list[Part]:
     for i, o in enumerate(noble):
         left = o.left - 0.2
         if i % 2 == 0:
-            hood = pediment(0.96, 0.2, 0.12, 0.1).placed(0, (o.middle - 0.48, -0.1, o.top + 0.16))
+            hood = pediment(0.96, 0.2, 0.12, 0.1).placed(0.0, (o.middle - 0.48, -0.1, o.top + 0.16))
         else:
             hood = box((left, -0.18, o.top + 0.12), (o.right + 0.2, 0, o.top + 0.2))
         front.append(("trim", hood))
@@ -133,7 +133,7 @@ def _upper_storeys() -> list[Part]:
     back = place([("brick", wall(WIDTH, TOP - BASE, []))], 0, (0, 0, BASE))
     parts = turned_walls(LOW, HIGH, {"front": front, "right": side, "left": side, "back": back})
     band = [(0.0, 0.0), (0.06, 0.03), (0.06, 0.12), (0.12, 0.16), (0.12, 0.22), (0.0, 0.26)]
-    parts.append(("trim", moulding(LOW, HIGH, band).placed(0, (0, 0, BASE - 0.12))))
+    parts.append(("trim", moulding(LOW, HIGH, band).placed(0.0, (0, 0, BASE - 0.12))))
     parts += [("trim", join(_quoins())), *_balcony()]
     return parts
 
@@ -160,11 +160,11 @@ def _balcony() -> list[Part]:
     z = BASE + 0.02
     slab = box((-0.95, -0.62, z), (0.95, 0, z + 0.1))
     brackets = [
-        prism([(-0.5, 0.0), (0, -0.34), (0, 0.0)], -0.06, 0.06).placed(90, (x, 0, z))
+        prism([(-0.5, 0.0), (0, -0.34), (0, 0.0)], -0.06, 0.06).placed(90.0, (x, 0, z))
         for x in (-0.75, 0.75)
     ]
-    rails = [balustrade(1.8, 0.5).placed(0, (-0.9, -0.54, z + 0.1))]
-    rails += [balustrade(0.46, 0.5).placed(90, (x, -0.5, z + 0.1)) for x in (-0.9, 0.9)]
+    rails = [balustrade(1.8, 0.5).placed(0.0, (-0.9, -0.54, z + 0.1))]
+    rails += [balustrade(0.46, 0.5).placed(90.0, (x, -0.5, z + 0.1)) for x in (-0.9, 0.9)]
     return [("trim", join([slab, *brackets, *rails]))]
 
 
@@ -177,14 +177,14 @@ def _roof() -> list[Part]:
     z = TOP + 0.1 + cornice[-1][1]
     rise, run = 1.7, 1.5
     slope = tiled_slope(WIDTH + 0.5, run, rise, 10)
-    front = slope.placed(0, (-3.45, -0.25, z))
-    back = slope.placed(180, (3.45, DEPTH + 0.25, z))
+    front = slope.placed(0.0, (-3.45, -0.25, z))
+    back = slope.placed(180.0, (3.45, DEPTH + 0.25, z))
     flat = [(-3.45, -0.25 + run), (3.45, -0.25 + run), (3.45, 4.85 - run), (-3.45, 4.85 - run)]
     outline = [(-0.25, z), (4.85, z), (4.85 - run, z + rise), (-0.25 + run, z + rise)]
-    ends = [prism(outline, 0, 0.06).placed(90, (x, 0, 0)) for x in (-3.4, 3.46)]
+    ends = [prism(outline, 0, 0.06).placed(90.0, (x, 0, 0)) for x in (-3.4, 3.46)]
     parts: list[Part] = [
         ("trim", join(dentils)),
-        ("trim", moulding(LOW, HIGH, cornice).placed(0, (0, 0, TOP + 0.1))),
+        ("trim", moulding(LOW, HIGH, cornice).placed(0.0, (0, 0, TOP + 0.1))),
         ("tiles", join([front, back])),
         ("brick", join(ends)),
         ("zinc", polygon([(x, y, z + rise) for x, y in flat])),
@@ -201,23 +201,23 @@ def _dormer() -> list[Part]:
     hole = Opening(0.12, 0.68, 0.12, 0.85, True, 0.12)
     face = place(facade(0.8, 0.95, [hole], "trim", (2, 2)), 0, (-0.4, 0, 0))
     cheeks = [box((x, 0.0, 0.0), (x + 0.05, 1.0, 0.95)) for x in (-0.4, 0.35)]
-    hood = pediment(1.0, 0.28, 1.1, 0.08).placed(0, (-0.5, -0.04, 0.97))
+    hood = pediment(1.0, 0.28, 1.1, 0.08).placed(0.0, (-0.5, -0.04, 0.97))
     return [*face, ("zinc", join(cheeks)), ("trim", hood)]
 
 
 PLACE = Place(
     "townhouse",
     (
-        Session("06-05_08_50", 110, 33, 2.8, 0.0, 0.2),
-        Session("06-05_14_30", 211, 50, 3.4, 0.05, 0.45),
-        Session("25-06_20_10", 274, 13, 3.2, 0.0, 0.3),
-        Session("13-08_12_10", 176, 57, 2.2, 0.0, 0.1),
-        Session("01-11_10_00", 148, 21, 6.5, 0.45, 0.45),
-        Session("18-02_14_50", 217, 22, 4.0, 0.95, 0.2),
-        Session("10-07_10_40", 134, 48, 3.0, 0.0, 0.35, True),
-        Session("10-07_18_00", 252, 28, 2.8, 0.0, 0.2, True),
-        Session("22-03_13_00", 190, 38, 4.5, 0.25, 0.5, True),
-        Session("04-12_12_30", 183, 19, 5.0, 0.75, 0.4, True),
+        Session("06-05_08_50", 110.0, 33.0, 2.8, 0.0, 0.2),
+        Session("06-05_14_30", 211.0, 50.0, 3.4, 0.05, 0.45),
+        Session("25-06_20_10", 274.0, 13.0, 3.2, 0.0, 0.3),
+        Session("13-08_12_10", 176.0, 57.0, 2.2, 0.0, 0.1),
+        Session("01-11_10_00", 148.0, 21.0, 6.5, 0.45, 0.45),
+        Session("18-02_14_50", 217.0, 22.0, 4.0, 0.95, 0.2),
+        Session("10-07_10_40", 134.0, 48.0, 3.0, 0.0, 0.35, True),
+        Session("10-07_18_00", 252.0, 28.0, 2.8, 0.0, 0.2, True),
+        Session("22-03_13_00", 190.0, 38.0, 4.5, 0.25, 0.5, True),
+        Session("04-12_12_30", 183.0, 19.0, 5.0, 0.75, 0.4, True),
     ),
     Walk((-0.6, 1.0, 3.0), 9.4, 11.6, 46.0, 1.15, (0.74, 1.0)),
     build,

@@ -33,11 +33,11 @@ def _neighbour() -> list[Part]:
     side = facade(4.05, 3.5, [Opening(1.6, 2.3, 2.1, 3.0)], "yellow")
     parts = turned_walls(low, high, {"front": front, "left": side})
     parts.append(("granite", moulding(low, high, [(0.05, 0), (0.05, 0.3), (0, 0.34)])))
-    parts.append(("trim", moulding(low, high, CORNICE).placed(0, (0, 0, 3.4))))
+    parts.append(("trim", moulding(low, high, CORNICE).placed(0.0, (0, 0, 3.4))))
     roof = gable_roof((-2.03, -2.1), (2.03, 2.1), 1.35, 0.2, 10)
     gables = [prism([(-2.03, 0), (2.03, 0), (0, 1.35)], y, y + 0.1) for y in (-2.1, 2.0)]
     spot = (-5.3, 2.375, 3.62)
-    parts += [("tiles", roof.placed(90, spot)), ("yellow", join(gables).placed(90, spot))]
+    parts += [("tiles", roof.placed(90.0, spot)), ("yellow", join(gables).placed(90.0, spot))]
     return [*parts, ("brick", chimney(-6.2, 2.4, 4.4, 1.1))]
 
 
@@ -61,7 +61,7 @@ def _street(random: np.random.Generator) -> list[Part]:
     ]
     legs = [box((x, -0.7, 0.08), (x + 0.06, -0.4, 0.32)) for x in (-2.55, -1.71)]
     parts += [("shutter", join(seat)), ("metal", join(legs))]
-    parts.append(("trim", urn(1.1).placed(0, (3.9, -0.4, 0.08))))
+    parts.append(("trim", urn(1.1).placed(0.0, (3.9, -0.4, 0.08))))
     for x, y, height in ((5.6, 0.6, 4.2), (7.6, 3.0, 5.2), (6.4, 5.2, 5.4), (-10.2, 3.2, 4.8)):
         parts += place(plants.tree(random, height, 0.42 * height), 0, (x, y, 0))
     parts += plants.hedge(random, (4.9, 0.8, 0.0), (9.0, 1.2, 0.8), 600.0)
