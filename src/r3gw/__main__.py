@@ -118,6 +118,74 @@ def train(
     )
 
 
+@cli.command()
+@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
+@click.option("--model", type=FILE, required=True, help="model.pt of the run.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the evaluation.")
+@THREADS
+def evaluate(scene: Path, masks: Path, model: Path, target: Path, threads: int) -> None:
+    """Score a trained model under every protocol and draw its pictures."""
+    from r3gw.evaluation.evaluate import evaluate_run
+
+    evaluate_run(scene, masks, model, target, num_threads=threads)
+
+
+@cli.command()
+@click.option("--kind", type=click.Choice(["table1", "ablations"]), required=True)
+@click.option("--published", type=FILE, help="Published figures to show beside ours.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the tables.")
+@click.argument("metrics", nargs=-1, required=True, type=FILE)
+def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path, ...]) -> None:
+    """Make tables from the metrics.json files of any number of runs."""
+    from r3gw.reporting import tables as make
+
+    if kind == "table1":
+        make.runs_table(metrics, target / "runs.csv")
+        make.decomposition(metrics, target / "decomposition.csv")
+        make.table1(metrics, published, target / "table1.csv")
+    else:
+        make.runs_table(metrics, target / "ablation_runs.csv")
+        make.ablations(metrics, target / "ablations.csv")
+
+
+@cli.command()
+@click.option("--model", type=FILE, required=True, help="model.pt of the run.")
+@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--view", required=True, help="Photo whose camera is used.")
+@click.option("--env-map", type=FILE, help="Environment map: .exr, .hdr, .jpg or .png.")
+@click.option("--yaw-deg", type=float, default=0.0, help="Turn of the map about the vertical.")
+@click.option("--exposure", type=float, default=1.0, help="Factor on the map.")
+@click.option("--light-of", help="Training photo whose learned light is used instead of a map.")
+@click.option("--sky", help="white, or learned:PHOTO. Default: white under a map.")
+@click.option("--output", type=FILE, required=True, help="Picture to write (.png or .jpg).")
+def relight(
+    model: Path,
+    scene: Path,
+    view: str,
+    env_map: Path | None,
+    yaw_deg: float,
+    exposure: float,
+    light_of: str | None,
+    sky: str | None,
+    output: Path,
+) -> None:
+    """Render a photo's view under an environment map or under another photo's light."""
+    from r3gw.evaluation.relight import relight_view
+
+    relight_view(
+        model,
+        scene,
+        view,
+        output,
+        env_map=env_map,
+        yaw_deg=yaw_deg,
+        exposure=exposure,
+        light_of=light_of,
+        sky=sky,
+    )
+
+
 def _json(text: str, option: str) -> dict[str, Any]:
     try:
         value = json.loads(text)

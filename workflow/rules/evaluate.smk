@@ -1,0 +1,21 @@
+# Scores and pictures of one run.
+
+
+rule evaluate:
+    input:
+        code=library("evaluation"),
+        scene="results/{scene}/scene/scene.json",
+        masks="results/{scene}/masks/masks.json",
+        model="results/{scene}/{variant}/seed{seed}/model.pt",
+        record="results/{scene}/{variant}/seed{seed}/run.json",
+    output:
+        metrics="results/{scene}/{variant}/seed{seed}/evaluation/metrics.json",
+        lights="results/{scene}/{variant}/seed{seed}/evaluation/lights.json",
+    log:
+        "logs/evaluate/{scene}.{variant}.seed{seed}.log",
+    shell:
+        "python -m r3gw evaluate --scene results/{wildcards.scene}/scene"
+        " --masks results/{wildcards.scene}/masks --model {input.model}"
+        " --threads {threads}"
+        " --target results/{wildcards.scene}/{wildcards.variant}/seed{wildcards.seed}/evaluation"
+        " > {log} 2>&1"

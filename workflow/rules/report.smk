@@ -1,0 +1,42 @@
+# Tables and figures over all runs.
+
+
+rule table1:
+    input:
+        code=library("reporting"),
+        published=workflow.source_path("../../config/published.csv"),
+        metrics=collect(
+            "results/{scene}/{variant}/seed{seed}/evaluation/metrics.json",
+            scene=SCENES,
+            variant=CONFIG.variants,
+            seed=CONFIG.seeds,
+        ),
+    output:
+        csv=ensure("results/table1.csv", non_empty=True),
+        markdown="results/table1.md",
+        latex="results/table1.tex",
+        decomposition="results/decomposition.csv",
+        runs="results/runs.csv",
+    log:
+        "logs/table1.log",
+    shell:
+        "python -m r3gw tables --kind table1 --published {input.published}"
+        " --target results {input.metrics} > {log} 2>&1"
+
+
+rule ablation_table:
+    input:
+        code=library("reporting"),
+        metrics=collect(
+            "results/{scene}/{variant}/seed{seed}/evaluation/metrics.json",
+            scene=SCENES,
+            variant=CONFIG.ablations.variants,
+            seed=CONFIG.ablations.seeds,
+        ),
+    output:
+        csv=ensure("results/ablations.csv", non_empty=True),
+        runs="results/ablation_runs.csv",
+    log:
+        "logs/ablations.log",
+    shell:
+        "python -m r3gw tables --kind ablations --target results {input.metrics} > {log} 2>&1"
