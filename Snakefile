@@ -6,7 +6,10 @@ from snakemake.utils import min_version
 min_version("9.0")
 
 
-configfile: "config/config.yaml"
+# A file given with --configfile that names scenes stands alone.
+if "scenes" not in config:
+
+    configfile: "config/config.yaml"
 
 
 include: "workflow/rules/common.smk"
@@ -20,7 +23,6 @@ rule all:
     default_target: True
     input:
         "results/table1.csv",
-        collect("results/figures/{scene}_views.png", scene=SCENES),
 
 
 rule ablations:

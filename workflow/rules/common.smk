@@ -13,6 +13,7 @@ try:
 except InputError as error:
     raise WorkflowError(str(error))
 
+PUBLISHED = f"{workflow.basedir}/config/published.csv"
 SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
 VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})

@@ -4,7 +4,7 @@
 rule table1:
     input:
         code=library("reporting"),
-        published=workflow.source_path("../../config/published.csv"),
+        published=PUBLISHED,
         metrics=collect(
             "results/{scene}/{variant}/seed{seed}/evaluation/metrics.json",
             scene=SCENES,
