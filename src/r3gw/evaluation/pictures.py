@@ -7,7 +7,7 @@ from jaxtyping import Float
 from numpy.typing import NDArray
 from torch import Tensor
 
-FAR_QUANTILE = 0.98
+NEAR_FAR_QUANTILES = (0.02, 0.98)
 
 
 def bytes_from_display(
@@ -24,10 +24,13 @@ def normal_picture(normals: Float[np.ndarray, "h w 3"]) -> NDArray[np.uint8]:
 
 
 def depth_picture(depth: Float[np.ndarray, "h w"]) -> NDArray[np.uint8]:
-    """Depth on viridis from 0 to its 98th percentile; 0 (nothing) is black."""
+    """Depth on viridis from its 2nd to its 98th percentile; 0 (nothing) is black."""
     is_known = depth > 0
-    far = float(np.quantile(depth[is_known], FAR_QUANTILE)) if is_known.any() else 1.0
-    levels = np.rint(np.clip(depth / far, 0.0, 1.0) * 255.0).astype(np.uint8)
+    if not is_known.any():
+        return np.zeros((*depth.shape, 3), np.uint8)
+    near, far = np.quantile(depth[is_known], NEAR_FAR_QUANTILES)
+    share = np.clip((depth - near) / max(far - near, 1e-9), 0.0, 1.0)
+    levels = np.rint(share * 255.0).astype(np.uint8)
     coloured = cv2.applyColorMap(levels, cv2.COLORMAP_VIRIDIS)[..., ::-1].copy()
     coloured[~is_known] = 0
     return np.asarray(coloured, dtype=np.uint8)

@@ -1,0 +1,47 @@
+"""The figures of one scene: ``<scene>_<kind>.png``, plots also as .pdf."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from r3gw.files import InputError
+from r3gw.reporting.evaluated import read_run
+from r3gw.reporting.grids import decomposition_grid, light_grid, view_grid
+from r3gw.reporting.plots import sweep_plot, training_plot
+from r3gw.reporting.style import look, save
+from r3gw.scene import load_scene
+
+
+def scene_figures(
+    scene: str, scene_folder: Path, run_folders: Sequence[Path], target: Path
+) -> None:
+    """Draw the figures of a scene.
+
+    Args:
+        scene: Name of the scene, the beginning of the files' names.
+        scene_folder: Imported scene.
+        run_folders: One folder per variant, with history.csv and metrics/; the first one (the
+            full method) is shown in the figures that show one run.
+        target: Folder of figures. Gets ``<scene>_{views,decomposition,lights,training}.png``
+            and, where views were swept, ``<scene>_sweep.png``.
+
+    Raises:
+        InputError: If a file is missing or there is no run.
+    """
+    if not run_folders:
+        raise InputError(f"figures of scene {scene} need at least one run; evaluate one first")
+    imported = load_scene(scene_folder)
+    runs = [read_run(folder) for folder in run_folders]
+    main = runs[0]
+    with look():
+        pictures = {
+            "views": view_grid(imported, runs),
+            "decomposition": decomposition_grid(imported, scene_folder, main),
+            "lights": light_grid(imported, scene_folder, main),
+        }
+        plots = {"training": training_plot(runs)}
+        if any(protocol == "nerf-osr" for _, protocol in main.records):
+            plots["sweep"] = sweep_plot(main)
+        for kind, figure in pictures.items():
+            save(figure, target / f"{scene}_{kind}.png", as_pdf=False)
+        for kind, figure in plots.items():
+            save(figure, target / f"{scene}_{kind}.png", as_pdf=True)

@@ -1,0 +1,145 @@
+"""Figures made of pictures: test views, decomposition, learned lights."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import matplotlib
+import numpy as np
+import torch
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from r3gw.evaluation.pictures import bytes_from_display, normal_picture
+from r3gw.files import InputError
+from r3gw.imaging.colour import display_array_from_linear
+from r3gw.imaging.files import read_linear, read_rgb
+from r3gw.lighting import envmap
+from r3gw.reporting.evaluated import Evaluated
+from r3gw.reporting.style import Cell, picture_grid
+from r3gw.scene import GroundTruth, Scene, View
+
+NUM_DECOMPOSED = 2
+NUM_LIGHTS = 24
+LIGHTS_PER_ROW = 4
+LIGHT_MAP_HEIGHT = 64
+BRIGHTEST_QUANTILE = 0.98
+PROTOCOL_TITLES = {"exact": "true light", "nerf-osr": "nerf-osr", "learned": "learned light"}
+
+
+def view_grid(scene: Scene, runs: Sequence[Evaluated]) -> Figure:
+    """Photos beside every variant's renders: test views if there are any, else training views.
+
+    The first run is shown under every protocol, the others under its first one.
+    """
+    views = scene.split("test") or scene.split("train")
+    columns = [
+        (run, protocol)
+        for run in runs
+        for protocol in PROTOCOL_TITLES
+        if any((view.name, protocol) in run.records for view in views)
+    ]
+    first = columns[0][1] if columns else ""
+    columns = [(run, protocol) for run, protocol in columns if run is runs[0] or protocol == first]
+    rows, names = [], []
+    for view in views:
+        cells = [_cell(run.picture(view.name, p), run.psnr(view.name, p)) for run, p in columns]
+        photo = runs[0].picture(view.name, "truth")
+        if photo is not None:
+            rows.append([Cell(photo), *cells])
+            names.append(view.name)
+    titles = [f"{run.label}, {PROTOCOL_TITLES[protocol]}" for run, protocol in columns]
+    return picture_grid(rows, ["photo", *titles], names)
+
+
+def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
+    """Render, albedo, normals, depth, sky and foreground alone; the truth beneath where known."""
+    rows: list[list[Cell | None]] = []
+    names = []
+    pictured = [view for view in scene.split("test") or scene.split("train")]
+    pictured = [view for view in pictured if run.picture(view.name, "albedo") is not None]
+    for view in pictured[:NUM_DECOMPOSED]:
+        ours, truth = _depth_cells(run, view, scene_folder)
+        protocol = next(p for p in PROTOCOL_TITLES if (view.name, p) in run.records)
+        kinds = (protocol, "albedo", "normal", "", "sky", "foreground")
+        rows.append([_cell(run.picture(view.name, kind)) if kind else ours for kind in kinds])
+        names.append("model")
+        photo = _cell(run.picture(view.name, "truth"))
+        if view.truth is not None:
+            rows.append([photo, *_truth_cells(view.truth, scene_folder), truth, None, None])
+        else:
+            rows.append([photo, *[None] * 5])
+        names.append("truth" if view.truth is not None else "photo")
+    titles = ["picture", "albedo", "normals", "depth", "sky alone", "foreground alone"]
+    return picture_grid(rows, titles, names)
+
+
+def light_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
+    """Training photos with the light learned for each, all at one exposure."""
+    views = [view for view in scene.split("train") if view.name in run.lights]
+    if not views:
+        raise InputError(f"{run.renders.parent / 'lights.json'}: has no light of a training photo")
+    chosen = np.unique(np.linspace(0, len(views) - 1, min(NUM_LIGHTS, len(views))).astype(int))
+    maps = {
+        views[i].name: envmap.draw(
+            torch.tensor(run.lights[views[i].name]["light"]), LIGHT_MAP_HEIGHT
+        ).numpy()
+        for i in chosen
+    }
+    brightest = float(np.quantile(np.stack(list(maps.values())), BRIGHTEST_QUANTILE))
+    pairs = [
+        (
+            Cell(_thumbnail(read_rgb(scene_folder / views[i].image)), views[i].session or ""),
+            Cell(bytes_from_display(display_array_from_linear(maps[views[i].name] / brightest))),
+        )
+        for i in chosen
+    ]
+    rows: list[list[Cell | None]] = []
+    for start in range(0, len(pairs), LIGHTS_PER_ROW):
+        row: list[Cell | None] = [
+            cell for pair in pairs[start : start + LIGHTS_PER_ROW] for cell in pair
+        ]
+        rows.append(row + [None] * (2 * LIGHTS_PER_ROW - len(row)))
+    titles = ["photo", "learned light"] * LIGHTS_PER_ROW
+    return picture_grid(rows, titles, [""] * len(rows), cell_width_in=1.3)
+
+
+def _cell(picture: NDArray[np.uint8] | None, label: str = "") -> Cell | None:
+    return None if picture is None else Cell(picture, label)
+
+
+def _truth_cells(truth: GroundTruth, folder: Path) -> list[Cell]:
+    albedo, normal = read_linear(folder / truth.albedo), read_linear(folder / truth.normal)
+    is_surface = np.linalg.norm(normal, axis=-1, keepdims=True) > 0.5
+    shown = np.where(is_surface, display_array_from_linear(albedo), 1.0)
+    return [Cell(bytes_from_display(shown)), Cell(normal_picture(normal))]
+
+
+def _depth_cells(run: Evaluated, view: View, folder: Path) -> tuple[Cell, Cell | None]:
+    """Rendered and true depth on one colour scale, its ends in the label."""
+    ours = run.depth(view.name)
+    truth = None if view.truth is None else read_linear(folder / view.truth.depth)[..., 0]
+    known = ours if truth is None else truth
+    if (known > 0).any():
+        near, far = (float(q) for q in np.quantile(known[known > 0], (0.02, 0.98)))
+    else:
+        near, far = 0.0, 1.0
+    label = f"{near:.1f} to {far:.1f}"
+    cells = [_depth_cell(d, near, far, label) for d in (ours, truth) if d is not None]
+    return cells[0], cells[1] if len(cells) > 1 else None
+
+
+def _depth_cell(depth: NDArray[np.float32], near: float, far: float, label: str) -> Cell:
+    share = np.clip((depth - near) / max(far - near, 1e-9), 0.0, 1.0)
+    coloured = matplotlib.colormaps["viridis"](share)[..., :3]
+    coloured[depth <= 0] = 1.0
+    return Cell(bytes_from_display(coloured), label)
+
+
+def _thumbnail(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Crop the middle to 2:1, as the maps are."""
+    height, width = picture.shape[:2]
+    rows = min(height, width // 2)
+    top = (height - rows) // 2
+    cropped = picture[top : top + rows, : 2 * rows]
+    return np.asarray(cv2.resize(cropped, (256, 128), interpolation=cv2.INTER_AREA), np.uint8)
