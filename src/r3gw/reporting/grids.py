@@ -56,13 +56,14 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figu
     """Render, albedo, normals, depth, sky and foreground alone; the truth beneath where known."""
     rows: list[list[Cell | None]] = []
     names = []
-    pictured = [view for view in scene.split("test") or scene.split("train")]
-    pictured = [view for view in pictured if run.picture(view.name, "albedo") is not None]
+    views = scene.split("test") or scene.split("train")
+    pictured = [view for view in views if run.picture(view.name, "albedo") is not None]
     for view in pictured[:NUM_DECOMPOSED]:
         ours, truth = _depth_cells(run, view, scene_folder)
         protocol = next(p for p in PROTOCOL_TITLES if (view.name, p) in run.records)
-        kinds = (protocol, "albedo", "normal", "", "sky", "foreground")
-        rows.append([_cell(run.picture(view.name, kind)) if kind else ours for kind in kinds])
+        kinds = ("albedo", "normal", "", "sky", "foreground")
+        parts = [_cell(run.picture(view.name, kind)) if kind else ours for kind in kinds]
+        rows.append([_cell(run.picture(view.name, protocol), view.name), *parts])
         names.append("model")
         photo = _cell(run.picture(view.name, "truth"))
         if view.truth is not None:
@@ -96,10 +97,8 @@ def light_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
     ]
     rows: list[list[Cell | None]] = []
     for start in range(0, len(pairs), LIGHTS_PER_ROW):
-        row: list[Cell | None] = [
-            cell for pair in pairs[start : start + LIGHTS_PER_ROW] for cell in pair
-        ]
-        rows.append(row + [None] * (2 * LIGHTS_PER_ROW - len(row)))
+        cells = [cell for pair in pairs[start : start + LIGHTS_PER_ROW] for cell in pair]
+        rows.append([*cells, *[None] * (2 * LIGHTS_PER_ROW - len(cells))])
     titles = ["photo", "learned light"] * LIGHTS_PER_ROW
     return picture_grid(rows, titles, [""] * len(rows), cell_width_in=1.3)
 

@@ -11,6 +11,7 @@ from r3gw.reporting.evaluated import Evaluated
 from r3gw.reporting.style import COLOURS, new_figure
 
 SMOOTHED_ROWS = 15
+DASHES = (0, (3, 1.5))
 
 
 def training_plot(runs: Sequence[Evaluated]) -> Figure:
@@ -23,12 +24,13 @@ def training_plot(runs: Sequence[Evaluated]) -> Figure:
             axes.plot(at, run.history[column], color=colour, alpha=0.2, linewidth=0.6)
             axes.plot(at, _smooth(run.history[column]), color=colour, label=run.label)
         count.plot(at, run.history["num_foreground"] / 1000, color=colour)
-        count.plot(at, run.history["num_sky"] / 1000, color=colour, linestyle=(0, (3, 1.5)))
-    _name(loss, "loss", log=True)
+        count.plot(at, run.history["num_sky"] / 1000, color=colour, linestyle=DASHES)
+    _name(loss, "loss")
+    loss.set_ylim(bottom=0.0)
     _name(psnr, "training PSNR (dB)")
     _name(count, "Gaussians (thousands)")
     count.plot([], [], color="grey", label="foreground")
-    count.plot([], [], color="grey", linestyle=(0, (3, 1.5)), label="sky")
+    count.plot([], [], color="grey", linestyle=DASHES, label="sky")
     count.legend(fontsize=6)
     psnr.legend(fontsize=6)
     figure.tight_layout()
@@ -38,25 +40,29 @@ def training_plot(runs: Sequence[Evaluated]) -> Figure:
 def sweep_plot(run: Evaluated) -> Figure:
     """PSNR over the sun angle of protocol nerf-osr, one panel per test view.
 
-    The dot is the oracle's choice; the dashed line is the PSNR under the true light.
+    The dot is the oracle's choice; the dashed line is the PSNR under the true light, if known.
     """
     swept = [view for view, protocol in run.records if protocol == "nerf-osr"]
     columns = min(4, len(swept))
     lines = -(-len(swept) // columns)
-    figure = new_figure(1.9 * columns, 1.7 * lines + 0.2)
+    figure = new_figure(1.9 * columns, 1.7 * lines + 0.3)
     for number, view in enumerate(swept):
         record = run.records[view, "nerf-osr"]
         axes = figure.add_subplot(lines, columns, number + 1)
-        axes.plot(np.degrees(record["sweep_angles_rad"]), record["sweep_psnr"], color=COLOURS[0])
-        axes.plot(np.degrees(record["angle_rad"]), record["psnr"], "o", color=COLOURS[1], ms=4)
+        angles_deg = np.degrees(record["sweep_angles_rad"])
+        best_deg = np.degrees(record["angle_rad"])
+        axes.plot(angles_deg, record["sweep_psnr"], color=COLOURS[0], label="nerf-osr sweep")
+        axes.plot(best_deg, record["psnr"], "o", color=COLOURS[1], ms=4, label="oracle's choice")
         if (view, "exact") in run.records:
             exact = run.records[view, "exact"]["psnr"]
-            axes.axhline(exact, color=COLOURS[2], linestyle=(0, (3, 1.5)))
+            axes.axhline(exact, color=COLOURS[2], linestyle=DASHES, label="true light")
         axes.set_title(view, size=6)
         axes.set_xlabel("sun angle (degrees)")
         if number % columns == 0:
             axes.set_ylabel("masked PSNR (dB)")
-    figure.tight_layout()
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper center", ncols=len(labels), fontsize=6)
+    figure.tight_layout(rect=(0, 0, 1, 1 - 0.2 / figure.get_figheight()))
     return figure
 
 
@@ -68,8 +74,6 @@ def _colours(count: int) -> list[str]:
     return [COLOURS[i % len(COLOURS)] for i in range(count)]
 
 
-def _name(axes: Axes, title: str, *, log: bool = False) -> None:
+def _name(axes: Axes, title: str) -> None:
     axes.set_xlabel("iteration")
     axes.set_title(title)
-    if log:
-        axes.set_yscale("log")
