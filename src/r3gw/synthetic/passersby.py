@@ -13,7 +13,8 @@ def materials(random: np.random.Generator) -> dict[str, Material]:
     kind = Kind.OCCLUDER
 
     def colour(low: float, high: float) -> tuple[float, float, float]:
-        red, green, blue = random.uniform(low, high, 3)
+        grey = random.uniform(low, high)
+        red, green, blue = grey * random.uniform(0.6, 1.2, 3)  # Muted, as most clothes and cars
         return float(red), float(green), float(blue)
 
     clothes = {name: Material(colour(0.04, 0.5), kind=kind) for name in CLOTHES}

@@ -31,7 +31,7 @@ class Truth:
 
     Attributes:
         albedo: ``[H, W, 3]`` diffuse reflectance, mean over the pixel's surface; 0 at sky.
-        normal: ``[H, W, 3]`` world unit normal facing the camera, at the pixel centre; 0 at sky.
+        normal: ``[H, W, 3]`` world unit normal of the side seen at the pixel centre; 0 at sky.
         depth: ``[H, W]`` camera z at the pixel centre; 0 at sky.
         kind: ``[H, W]`` index into `KINDS`, -1 at sky.
     """
@@ -119,8 +119,8 @@ def sensor(camera: Camera, sampler: dict[str, Any], reconstruction: str) -> mi.S
             "type": "perspective",
             "fov": 2 * degrees(atan(width / (2 * fx))),
             "fov_axis": "x",
-            "principal_point_offset_x": cx / width - 0.5,
-            "principal_point_offset_y": cy / height - 0.5,
+            "principal_point_offset_x": 0.5 - cx / width,
+            "principal_point_offset_y": 0.5 - cy / height,
             "near_clip": 0.01,
             "far_clip": 1000.0,
             "to_world": mi.ScalarTransform4f(world_from_cam),
@@ -154,14 +154,15 @@ def truth(place: mi.Scene, camera: Camera, kinds: Sequence[Kind]) -> Truth:
         camera: The view.
         kinds: Kind of each shape, in the scene's order.
     """
-    names = "position:position,normal:sh_normal,shape:shape_index"
+    names = "position:position,normal:sh_normal,face:geo_normal,shape:shape_index"
     seen = _variables(place, camera, names).astype(np.float64)
-    position, normal, number = seen[..., :3], seen[..., 3:6], seen[..., 6].astype(np.int64)
+    position, normal, number = seen[..., :3], seen[..., 3:6], seen[..., 9].astype(np.int64)
     pose = camera.cam_from_world.numpy()
     is_solid = number > 0  # Mitsuba counts shapes from 1 here; 0 is the sky
     depth = np.where(is_solid, position @ pose[2, :3] + pose[2, 3], 0.0)
     towards = camera.centre.numpy() - position
-    normal = np.where((normal * towards).sum(-1, keepdims=True) < 0, -normal, normal)
+    is_back = (seen[..., 6:9] * towards).sum(-1, keepdims=True) < 0
+    normal = np.where(is_back, -normal, normal)
     length = np.linalg.norm(normal, axis=-1, keepdims=True)
     normal = normal / np.where(length > 0, length, 1.0)
     kind = np.array([-1, *(KINDS.index(kind) for kind in kinds)])[number]

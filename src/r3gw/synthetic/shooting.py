@@ -19,7 +19,7 @@ from r3gw.synthetic.seeds import stream
 from r3gw.synthetic.write import Shot
 
 EVALUATED = (Kind.BUILDING, Kind.GROUND)
-KEY = 0.2  # Geometric mean of linear values that the camera's metering aims at
+KEY = 0.18  # Geometric mean of linear values that the camera's metering aims at
 MASK_MARGIN_PX = 3  # Side of the square that occluder masks are grown by
 
 
