@@ -23,6 +23,7 @@ rule all:
     default_target: True
     input:
         "results/table1.csv",
+        collect("results/figures/{scene}_views.png", scene=SCENES),
 
 
 rule ablations:

@@ -150,6 +150,18 @@ def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path,
 
 
 @cli.command()
+@click.option("--name", required=True, help="Scene name, the beginning of the files' names.")
+@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the figures.")
+@click.argument("runs", nargs=-1, required=True, type=FOLDER)
+def figures(name: str, scene: Path, target: Path, runs: tuple[Path, ...]) -> None:
+    """Draw the figures of a scene from its evaluated runs; the first run is the main one."""
+    from r3gw.reporting.figures import scene_figures
+
+    scene_figures(name, scene, runs, target)
+
+
+@cli.command()
 @click.option("--model", type=FILE, required=True, help="model.pt of the run.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--view", required=True, help="Photo whose camera is used.")

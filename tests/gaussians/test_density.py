@@ -15,8 +15,6 @@ from r3gw.gaussians.density import (
 from r3gw.gaussians.initial import InitialPoints
 from r3gw.gaussians.model import SceneModel, initial_model
 from r3gw.gaussians.sky import SkyDome, sample_dome
-from r3gw.settings import TrainSettings
-from r3gw.settings.validation import read_yaml
 from r3gw.training.optimizer import make_optimizer
 
 EXTENT = 10.0
@@ -24,9 +22,8 @@ THRESHOLD = 1e-3
 
 
 @pytest.fixture
-def model(repository) -> SceneModel:
+def model(settings) -> SceneModel:
     """Twenty foreground and thirty sky Gaussians."""
-    settings = TrainSettings.model_validate(read_yaml(repository / "config/train.yaml"))
     generator = torch.Generator().manual_seed(0)
     dome = SkyDome(torch.zeros(3), 8.0, (-1.0, 1.0))
     initial = InitialPoints(
@@ -186,9 +183,9 @@ def test_threshold_rises_exponentially():
 def test_statistics_average_over_seen_views_in_ndc():
     statistics = GradientStatistics(3)
     gradient = torch.tensor([[3.0, 0.0], [0.0, 4.0], [9.0, 9.0]])
-    radii = torch.tensor([2, 5, 0], dtype=torch.int32)
+    radii = torch.tensor([2.0, 5.0, 0.0])
     statistics.add(gradient, radii, width=200, height=100)
-    statistics.add(gradient, torch.tensor([2, 0, 0], dtype=torch.int32), width=200, height=100)
+    statistics.add(gradient, torch.tensor([2.0, 0.0, 0.0]), width=200, height=100)
     torch.testing.assert_close(
         statistics.mean(), torch.tensor([300.0, 200.0, 0.0]), rtol=1e-6, atol=0
     )

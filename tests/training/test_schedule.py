@@ -48,6 +48,11 @@ def test_events(repository):
     assert schedule.prunes_huge(301)
 
 
+def test_resets_can_be_switched_off(repository):
+    schedule = Schedule.of(settings(repository, density={"reset_interval": None}))
+    assert not any(schedule.resets_opacity(i) or schedule.prunes_huge(i) for i in range(1, 40001))
+
+
 def test_position_rate_is_log_linear(repository):
     schedule = Schedule.of(settings(repository))
     middle = schedule.position_rate(15000, 1.6e-4, 1.6e-6)

@@ -96,3 +96,16 @@ def settings_json(wildcards):
 def sky_json(wildcards):
     """Settings of the sky's initial points, as JSON."""
     return RESOLVED[VARIANTS[0], CONFIG.seeds[0]].sky.model_dump_json()
+
+
+def figure_runs(wildcards):
+    """Folders of the runs that a scene's figures show: every variant, first seed."""
+    seed = CONFIG.seeds[0]
+    return [
+        f"results/{wildcards.scene}/{variant}/seed{seed}" for variant in CONFIG.variants
+    ]
+
+
+def figure_metrics(wildcards):
+    """What the evaluation of those runs wrote."""
+    return [f"{run}/metrics/metrics.json" for run in figure_runs(wildcards)]

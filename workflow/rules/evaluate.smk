@@ -9,13 +9,13 @@ rule evaluate:
         model="results/{scene}/{variant}/seed{seed}/model.pt",
         record="results/{scene}/{variant}/seed{seed}/run.json",
     output:
-        metrics="results/{scene}/{variant}/seed{seed}/evaluation/metrics.json",
-        lights="results/{scene}/{variant}/seed{seed}/evaluation/lights.json",
+        metrics="results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
+        lights="results/{scene}/{variant}/seed{seed}/metrics/lights.json",
     log:
         "logs/evaluate/{scene}.{variant}.seed{seed}.log",
     shell:
         "python -m r3gw evaluate --scene results/{wildcards.scene}/scene"
         " --masks results/{wildcards.scene}/masks --model {input.model}"
         " --threads {threads}"
-        " --target results/{wildcards.scene}/{wildcards.variant}/seed{wildcards.seed}/evaluation"
+        " --target results/{wildcards.scene}/{wildcards.variant}/seed{wildcards.seed}/metrics"
         " > {log} 2>&1"

@@ -6,7 +6,7 @@ rule table1:
         code=library("reporting"),
         published=PUBLISHED,
         metrics=collect(
-            "results/{scene}/{variant}/seed{seed}/evaluation/metrics.json",
+            "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
             scene=SCENES,
             variant=CONFIG.variants,
             seed=CONFIG.seeds,
@@ -28,7 +28,7 @@ rule ablation_table:
     input:
         code=library("reporting"),
         metrics=collect(
-            "results/{scene}/{variant}/seed{seed}/evaluation/metrics.json",
+            "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
             scene=SCENES,
             variant=CONFIG.ablations.variants,
             seed=CONFIG.ablations.seeds,
@@ -40,3 +40,26 @@ rule ablation_table:
         "logs/ablations.log",
     shell:
         "python -m r3gw tables --kind ablations --target results {input.metrics} > {log} 2>&1"
+
+
+rule figures:
+    input:
+        code=library("reporting"),
+        scene="results/{scene}/scene/scene.json",
+        metrics=figure_metrics,
+    output:
+        multiext(
+            "results/figures/{scene}_",
+            "views.png",
+            "decomposition.png",
+            "lights.png",
+            "training.png",
+        ),
+    log:
+        "logs/figures/{scene}.log",
+    params:
+        runs=figure_runs,
+    shell:
+        "python -m r3gw figures --name {wildcards.scene}"
+        " --scene results/{wildcards.scene}/scene --target results/figures"
+        " {params.runs} > {log} 2>&1"

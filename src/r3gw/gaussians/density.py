@@ -8,7 +8,7 @@ iteration (Grubert et al., 2025).
 from collections.abc import Mapping
 
 import torch
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from torch import Tensor
 from torch.optim import Optimizer
 
@@ -32,7 +32,7 @@ class GradientStatistics:
     def add(
         self,
         gradient_px: Float[Tensor, "n 2"],
-        radii_px: Int[Tensor, "n"],
+        radii_px: Float[Tensor, "n"],
         width: int,
         height: int,
     ) -> None:

@@ -62,7 +62,7 @@ class WeightSettings(Strict):
 
 
 class DensitySettings(Strict):
-    """Clone, split, prune and opacity reset (method 8)."""
+    """Clone, split, prune and opacity reset (method 8); no resets where the interval is null."""
 
     first: int = Field(ge=0)
     last: int = Field(ge=0)
@@ -72,7 +72,7 @@ class DensitySettings(Strict):
     large_scale: float = Field(gt=0)
     huge_scale: float = Field(gt=0)
     min_opacity: float = Field(gt=0, lt=1)
-    reset_interval: int = Field(gt=0)
+    reset_interval: int | None = Field(gt=0)
     reset_opacity: float = Field(gt=0, lt=1)
     max_gaussians: int = Field(gt=0)
 

@@ -22,7 +22,7 @@ class History:
         """Plan about `ROWS` rows over ``iterations``."""
         self.interval = max(1, iterations // ROWS)
         self.start = time.perf_counter()
-        self.rows: list[dict[str, float]] = []
+        self.rows: list[dict[str, float | int]] = []
 
     def is_due(self, iteration: int) -> bool:
         """Whether this iteration gets a row."""
@@ -35,9 +35,9 @@ class History:
         photo: Photo,
         rendering: Rendering,
         parts: dict[str, torch.Tensor],
-    ) -> dict[str, float]:
+    ) -> dict[str, float | int]:
         """Record one iteration and return its row; losses that do not act are 0."""
-        row: dict[str, float] = {
+        row: dict[str, float | int] = {
             "iteration": iteration,
             "seconds": time.perf_counter() - self.start,
             "loss": float(sum(float(part.detach()) for part in parts.values())),

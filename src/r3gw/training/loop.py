@@ -139,7 +139,7 @@ def _shuffled(count: int, generator: torch.Generator) -> Iterator[int]:
         yield from torch.randperm(count, generator=generator).tolist()
 
 
-def _postfix(row: dict[str, float]) -> str:
+def _postfix(row: dict[str, float | int]) -> str:
     return (
         f"loss {row['loss']:.4f}  psnr {row['psnr']:.2f} dB  "
         f"{row['num_foreground']:.0f} foreground + {row['num_sky']:.0f} sky"

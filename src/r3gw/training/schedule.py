@@ -23,7 +23,7 @@ class Schedule:
     densify_first: int
     densify_last: int
     densify_interval: int
-    reset_interval: int
+    reset_interval: int | None
     position_iterations: int
 
     @staticmethod
@@ -41,7 +41,7 @@ class Schedule:
             densify_first=own(density.first),
             densify_last=own(density.last),
             densify_interval=own(density.interval),
-            reset_interval=own(density.reset_interval),
+            reset_interval=None if density.reset_interval is None else own(density.reset_interval),
             position_iterations=own(settings.rates.position_iterations),
         )
 
@@ -57,12 +57,14 @@ class Schedule:
 
     def resets_opacity(self, iteration: int) -> bool:
         """Whether opacities are reset after this iteration."""
+        if self.reset_interval is None:
+            return False
         is_due = iteration % self.reset_interval == 0 or iteration == self.densify_first
         return is_due and iteration < self.densify_last
 
     def prunes_huge(self, iteration: int) -> bool:
         """Whether too large Gaussians are pruned: after the first regular opacity reset."""
-        return iteration > self.reset_interval
+        return self.reset_interval is not None and iteration > self.reset_interval
 
     def position_rate(self, iteration: int, first: float, last: float) -> float:
         """Learning rate of positions: log-linear from ``first`` to ``last``, then constant."""

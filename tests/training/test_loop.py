@@ -1,0 +1,98 @@
+"""Training a tiny scene: it learns, it repeats byte for byte, it stops with a sentence."""
+
+import pandas as pd
+import pytest
+import torch
+
+from r3gw.files import InputError
+from r3gw.gaussians.initial import InitialPoints
+from r3gw.gaussians.model import initial_model, save_model
+from r3gw.gaussians.sky import SkyDome, sample_dome
+from r3gw.geometry.cameras import Camera
+from r3gw.settings import TrainSettings
+from r3gw.settings.validation import read_yaml
+from r3gw.training.loop import train
+from r3gw.training.photos import Photo, camera_extent
+
+
+@pytest.fixture
+def settings(repository) -> TrainSettings:
+    values = read_yaml(repository / "config/train.yaml")
+    values |= {"iterations": 120, "seed": 5}
+    values["rates"]["short_run_boost"] = 5.0
+    return TrainSettings.model_validate(values)
+
+
+@pytest.fixture
+def photos() -> list[Photo]:
+    """Two views of a flat, grey-red world under a blue upper third."""
+    found = []
+    for name, shift in (("a", 0.0), ("b", 0.4)):
+        cam_from_world = torch.eye(4, dtype=torch.float64)
+        cam_from_world[0, 3] = shift
+        camera = Camera(cam_from_world, (30.0, 30.0, 16.0, 12.0), 32, 24)
+        pixels = torch.tensor([150, 90, 80], dtype=torch.uint8).repeat(24, 32, 1)
+        pixels[:8] = torch.tensor([90, 140, 220], dtype=torch.uint8)
+        is_sky = torch.zeros(24, 32, dtype=torch.bool)
+        is_sky[:8] = True
+        found.append(Photo(name, camera, pixels, torch.ones(24, 32, dtype=torch.bool), is_sky))
+    return found
+
+
+@pytest.fixture
+def initial() -> InitialPoints:
+    generator = torch.Generator().manual_seed(0)
+    points = torch.rand(150, 3, generator=generator) * torch.tensor([6.0, 2.4, 0.2])
+    points += torch.tensor([-3.0, -0.5, 4.0])
+    dome = SkyDome(torch.tensor([0.0, 0.5, 0.0]), 8.0, (-1.0, 1.0))
+    return InitialPoints(points, dome, sample_dome(dome, 200, generator))
+
+
+def run(settings, photos, initial):
+    return train(initial_model(initial, ("a", "b"), settings), photos)
+
+
+def test_learns_the_photos(settings, photos, initial, tmp_path):
+    trained = run(settings, photos, initial)
+    trained.history.write(tmp_path / "history.csv")
+    history = pd.read_csv(tmp_path / "history.csv")
+    assert history.iteration.iloc[-1] == 120
+    assert history.psnr.iloc[-5:].mean() > history.psnr.iloc[2:7].mean() + 5
+    assert history.psnr.iloc[-5:].mean() > 18
+    assert (history.loss_sky_depth.iloc[10:] > 0).all()
+    assert trained.seconds > 0
+
+
+def test_same_seed_gives_the_same_bytes(settings, photos, initial, tmp_path):
+    for name in ("first", "second"):
+        save_model(run(settings, photos, initial).model, tmp_path / name / "model.pt")
+    first = (tmp_path / "first/model.pt").read_bytes()
+    assert first == (tmp_path / "second/model.pt").read_bytes()
+
+
+def test_another_seed_gives_another_model(settings, photos, initial):
+    one = run(settings, photos, initial).model.foreground["means"]
+    two = run(settings.model_copy(update={"seed": 6}), photos, initial).model.foreground["means"]
+    assert one.shape != two.shape or not torch.equal(one, two)
+
+
+def test_warm_up_moves_only_what_the_separation_loss_touches(settings, photos, initial):
+    """During warm-up the appearance model gets no gradient."""
+    short = settings.model_copy(update={"iterations": 10, "warm_up": 40000})
+    model = initial_model(initial, ("a", "b"), short)
+    before = {k: v.clone() for k, v in model.appearance.state_dict().items()}
+    trained = train(model, photos)
+    for name, value in trained.model.appearance.state_dict().items():
+        torch.testing.assert_close(value, before[name], rtol=0, atol=0)
+
+
+def test_divergence_is_one_sentence(settings, photos, initial):
+    model = initial_model(initial, ("a", "b"), settings)
+    with torch.no_grad():
+        model.appearance.embedding[:] = 1e30
+    with pytest.raises((InputError, ValueError), match=r"finite|NaN"):
+        train(model, photos)
+
+
+def test_extent_is_the_largest_distance_from_the_mean(photos):
+    assert camera_extent([p.camera for p in photos]) == pytest.approx(1.1 * 0.2, rel=1e-6)
