@@ -1,10 +1,12 @@
 """Sky segmentation without weights: a smooth region at the top, refined by GrabCut.
 
-1. Regions of small gradient that touch the top edge, for a row of gradient thresholds; the one
-   that best splits the picture into two even colours wins (the energy of [1], on connected
-   regions instead of columns). Dark regions at the top (leaves, poles) are dropped.
+1. Regions of small gradient that touch the top edge, for a row of gradient thresholds, as in [1]
+   but connected instead of column by column. The likeliest wins: two normal distributions of
+   colour, and sky more probable the higher a pixel lies. Dark regions at the top (leaves, poles)
+   are dropped.
 2. Where the winner leaks into the building, stricter thresholds do not: the strictest region
-   that is still large, with the brighter parts of the winner (clouds), is taken as sure sky.
+   that is still large is sure sky, and so are brighter parts of the winner (clouds) that no edge
+   as strong as the skyline's separates from it.
 3. GrabCut [2] learns both colours and grows the sky; only parts connected to sure sky stay.
 4. A guided filter [3] brings the border to full resolution.
 
@@ -28,9 +30,13 @@ _WORKING_PX = 512
 # Gradient magnitudes (Sobel, 8-bit L*a*b*) tried as the border between smooth and not.
 _THRESHOLDS = np.geomspace(12.0, 300.0, 24)
 _SHARES = (0.05, 0.9)  # of the picture; other regions are no candidates for the sky
-_STRICT_SHARE = 0.6  # of the winner's area that the strict region must keep
+_COLOUR_FLOOR = 4.0  # squared 8-bit levels, added to the variances
+_HORIZON = 0.55  # fraction of the height at which sky and ground are equally probable
+_HORIZON_SLOPE = 4.0  # of the log odds of sky, per height
+_STRICT_SHARE = 0.75  # of the winner's area that the strict region must keep
 _DARK = 0.72  # times the main region's brightness; darker ones at the top are no sky
 _CLOUD = 0.95  # times the sure sky's median brightness
+_CLOUD_EDGE = 0.35  # times the skyline's median gradient
 _GROUND_ROWS = 0.04  # of the height, at the bottom: never sky
 _GRABCUT_ROUNDS = 5
 _GUIDED_RADIUS = 3  # working pixels
@@ -39,10 +45,10 @@ _GUIDED_EPS = 1e-4  # squared, of values in 0..1
 
 @dataclass(frozen=True)
 class _Candidate:
-    """The sky by one threshold, and how well it splits the picture."""
+    """The sky by one threshold, and the log likelihood of that split."""
 
     is_sky: Mask
-    score: float
+    likelihood: float
 
 
 def segment_sky(photo: Rgb) -> Mask:
@@ -51,11 +57,10 @@ def segment_sky(photo: Rgb) -> Mask:
     The same photo gives the same mask. All False if nothing at the top edge is smooth.
     """
     height, width = photo.shape[:2]
-    factor = min(1.0, _WORKING_PX / max(height, width))
-    small = photo
-    if factor < 1.0:
-        size = (round(width * factor), round(height * factor))
-        small = cv2.resize(photo, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
+    factor = _WORKING_PX / max(height, width)
+    size = (max(1, round(width * factor)), max(1, round(height * factor)))
+    interpolation = cv2.INTER_AREA if factor < 1.0 else cv2.INTER_CUBIC
+    small = cv2.resize(photo, size, interpolation=interpolation).astype(np.uint8)
     sure = _sure_sky(small)
     if sure is None:
         return np.zeros((height, width), dtype=np.bool_)
@@ -70,16 +75,20 @@ def _sure_sky(photo: Rgb) -> Mask | None:
     for threshold in _THRESHOLDS:
         is_sky = _smooth_top(gradient < threshold, brightness)
         if _SHARES[0] <= is_sky.mean() <= _SHARES[1]:
-            candidates.append(_Candidate(is_sky, _evenness(photo, is_sky)))
+            candidates.append(_Candidate(is_sky, _likelihood(photo, is_sky)))
     if not candidates:
         return None
-    best = max(candidates, key=lambda candidate: candidate.score)
+    best = max(candidates, key=lambda candidate: candidate.likelihood)
     wanted = _STRICT_SHARE * best.is_sky.sum()
     strict = next(c.is_sky for c in candidates if c.is_sky.sum() >= wanted)
     smoothed = cv2.GaussianBlur(brightness, (0, 0), 2.0)
-    is_cloud = best.is_sky & (smoothed >= _CLOUD * np.median(smoothed[strict]))
-    sure: Mask = strict | is_cloud
-    return sure
+    is_bright = smoothed >= _CLOUD * np.median(smoothed[strict])
+    below = cv2.dilate(best.is_sky.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
+    skyline = float(np.median(gradient[below & ~best.is_sky]))
+    is_cloud = _softly_joined(
+        best.is_sky & is_bright & ~strict, strict, gradient < _CLOUD_EDGE * skyline
+    )
+    return np.asarray(strict | is_cloud)
 
 
 def _gradient(photo: Rgb) -> NDArray[np.float32]:
@@ -106,12 +115,30 @@ def _smooth_top(is_smooth: Mask, brightness: NDArray[np.float64]) -> Mask:
     return cv2.dilate(kept.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
 
 
-def _evenness(photo: Rgb, is_sky: Mask) -> float:
-    """Energy of [1]: large where sky and ground both have compact colours, sky counted double."""
-    sky, ground = (np.cov(photo[part].astype(np.float64).T) for part in (is_sky, ~is_sky))
-    spread = 2.0 * np.linalg.det(sky) + np.linalg.det(ground)
-    spread += 2.0 * np.linalg.eigvalsh(sky)[-1] + np.linalg.eigvalsh(ground)[-1]
-    return float(1.0 / max(spread, 1e-12))
+def _softly_joined(parts: Mask, anchor: Mask, is_soft: Mask) -> Mask:
+    """Those connected parts whose border with ``anchor`` is mostly soft."""
+    kernel = np.ones((5, 5), np.uint8)
+    near = cv2.dilate(anchor.astype(np.uint8), kernel).astype(np.bool_)
+    joined = np.zeros(parts.shape, dtype=np.bool_)
+    count, labels = cv2.connectedComponents(parts.astype(np.uint8), connectivity=4)
+    for label in range(1, count):
+        part = (labels == label).astype(np.uint8)
+        border = near & cv2.dilate(part, kernel).astype(np.bool_)
+        if border.any() and is_soft[border].mean() > 0.5:
+            joined |= part.astype(np.bool_)
+    return joined
+
+
+def _likelihood(photo: Rgb, is_sky: Mask) -> float:
+    """Log likelihood per pixel of a split, up to a constant (step 1)."""
+    height = len(is_sky)
+    odds = _HORIZON_SLOPE * (_HORIZON - (np.arange(height) + 0.5) / height)
+    share = is_sky.mean(axis=1)  # of each row
+    total = -float(np.mean(share * np.logaddexp(0, -odds) + (1 - share) * np.logaddexp(0, odds)))
+    for part in (is_sky, ~is_sky):
+        covariance = np.cov(photo[part].astype(np.float64).T) + _COLOUR_FLOOR * np.eye(3)
+        total -= 0.5 * float(part.mean() * np.linalg.slogdet(covariance)[1])
+    return total
 
 
 def _grown(photo: Rgb, sure: Mask) -> Mask:
@@ -132,13 +159,12 @@ def _grown(photo: Rgb, sure: Mask) -> Mask:
 
 
 def _full_resolution(is_sky: Mask, photo: Rgb, factor: float) -> Mask:
-    """Enlarge a mask along the photo's own edges."""
+    """Scale a mask to the photo's size along the photo's own edges."""
     height, width = photo.shape[:2]
     enlarged = cv2.resize(
         is_sky.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR
     )
-    if factor < 1.0:
-        guide = photo.astype(np.float32) / 255.0
-        radius = round(_GUIDED_RADIUS / factor)
-        enlarged = cv2.ximgproc.guidedFilter(guide, enlarged, radius, _GUIDED_EPS)
-    return np.asarray(enlarged >= 0.5)
+    guide = photo.astype(np.float32) / 255.0
+    radius = max(1, round(_GUIDED_RADIUS / factor))
+    refined = cv2.ximgproc.guidedFilter(guide, enlarged, radius, _GUIDED_EPS)
+    return np.asarray(refined >= 0.5)

@@ -10,6 +10,7 @@ import torch
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
 from r3gw.scene import Points
+from r3gw.sfm.binary_check import check_whole
 
 _PINHOLES = ("PINHOLE", "SIMPLE_PINHOLE")
 _FILES = ("cameras", "images", "points3D")
@@ -38,6 +39,8 @@ def read_model(folder: Path) -> ColmapModel:
             f"{folder}: no COLMAP model; it must hold cameras, images and points3D, "
             "all as .bin or all as .txt"
         )
+    if suffix == ".bin":
+        check_whole(folder)
     model = pycolmap.Reconstruction()
     try:
         (model.read_binary if suffix == ".bin" else model.read_text)(folder)
