@@ -5,8 +5,8 @@
    colour, and sky more probable the higher a pixel lies. Dark regions at the top (leaves, poles)
    are dropped.
 2. Where the winner leaks into the building, stricter thresholds do not: the strictest region
-   that is still large is sure sky, and so are brighter parts of the winner (clouds) that no edge
-   as strong as the skyline's separates from it.
+   that is still large is sure sky, and so are clouds: brighter parts of the winner that are not
+   warm, or that no edge as strong as the skyline's separates from it.
 3. GrabCut [2] learns both colours and grows the sky; only parts connected to sure sky stay.
 4. A guided filter [3] brings the border to full resolution.
 
@@ -36,6 +36,7 @@ _HORIZON_SLOPE = 4.0  # of the log odds of sky, per height
 _STRICT_SHARE = 0.75  # of the winner's area that the strict region must keep
 _DARK = 0.72  # times the main region's brightness; darker ones at the top are no sky
 _CLOUD = 0.95  # times the sure sky's median brightness
+_WARM = 130.0  # 8-bit b* of a colour just warmer than grey
 _CLOUD_EDGE = 0.35  # times the skyline's median gradient
 _GROUND_ROWS = 0.04  # of the height, at the bottom: never sky
 _GRABCUT_ROUNDS = 5
@@ -85,9 +86,8 @@ def _sure_sky(photo: Rgb) -> Mask | None:
     is_bright = smoothed >= _CLOUD * np.median(smoothed[strict])
     below = cv2.dilate(best.is_sky.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
     skyline = float(np.median(gradient[below & ~best.is_sky]))
-    is_cloud = _softly_joined(
-        best.is_sky & is_bright & ~strict, strict, gradient < _CLOUD_EDGE * skyline
-    )
+    parts = best.is_sky & is_bright & ~strict
+    is_cloud = _clouds(photo, parts, strict, gradient < _CLOUD_EDGE * skyline)
     return np.asarray(strict | is_cloud)
 
 
@@ -115,18 +115,20 @@ def _smooth_top(is_smooth: Mask, brightness: NDArray[np.float64]) -> Mask:
     return cv2.dilate(kept.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
 
 
-def _softly_joined(parts: Mask, anchor: Mask, is_soft: Mask) -> Mask:
-    """Those connected parts whose border with ``anchor`` is mostly soft."""
+def _clouds(photo: Rgb, parts: Mask, anchor: Mask, is_soft: Mask) -> Mask:
+    """Those connected parts that are not warm, or whose border with ``anchor`` is mostly soft."""
     kernel = np.ones((5, 5), np.uint8)
     near = cv2.dilate(anchor.astype(np.uint8), kernel).astype(np.bool_)
-    joined = np.zeros(parts.shape, dtype=np.bool_)
+    warmth = cv2.cvtColor(photo, cv2.COLOR_RGB2LAB)[..., 2]
+    clouds = np.zeros(parts.shape, dtype=np.bool_)
     count, labels = cv2.connectedComponents(parts.astype(np.uint8), connectivity=4)
     for label in range(1, count):
-        part = (labels == label).astype(np.uint8)
-        border = near & cv2.dilate(part, kernel).astype(np.bool_)
-        if border.any() and is_soft[border].mean() > 0.5:
-            joined |= part.astype(np.bool_)
-    return joined
+        part = labels == label
+        border = near & cv2.dilate(part.astype(np.uint8), kernel).astype(np.bool_)
+        soft = bool(border.any()) and is_soft[border].mean() > 0.5
+        if soft or warmth[part].mean() < _WARM:
+            clouds |= part
+    return clouds
 
 
 def _likelihood(photo: Rgb, is_sky: Mask) -> float:

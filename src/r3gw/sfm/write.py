@@ -3,7 +3,7 @@
 import logging
 import shutil
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import cv2
 import numpy as np
@@ -31,8 +31,6 @@ from r3gw.scene import (
     save_scene,
 )
 from r3gw.sfm.source import SourceMask, SourceScene, SourceView
-
-Pixel = TypeVar("Pixel", np.uint8, np.float32)
 
 _LOG = logging.getLogger(__name__)
 _FOLDERS = ("images", "given", "envmaps", "ground_truth")
@@ -126,11 +124,11 @@ def _write_view(
     )
 
 
-def _scaled(pixels: NDArray[Pixel], camera: Camera, interpolation: int) -> NDArray[Pixel]:
+def _scaled(pixels: NDArray[Any], camera: Camera, interpolation: int) -> NDArray[Any]:
     if pixels.shape[:2] == (camera.height, camera.width):
         return pixels
     size = (camera.width, camera.height)
-    return cv2.resize(pixels, size, interpolation=interpolation).astype(pixels.dtype)
+    return cv2.resize(pixels, size, interpolation=interpolation)
 
 
 def _write_mask(mask: SourceMask, full: Camera, camera: Camera, path: Path) -> None:
