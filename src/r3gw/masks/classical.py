@@ -3,10 +3,10 @@
 1. Regions of small gradient that touch the top edge, for a row of gradient thresholds, as in [1]
    but connected instead of column by column. The likeliest wins: two normal distributions of
    colour, and sky more probable the higher a pixel lies. Dark regions at the top (leaves, poles)
-   are dropped.
-2. Where the winner leaks into the building, stricter thresholds do not: the strictest region
-   that is still large is sure sky, and so are clouds: brighter parts of the winner that are not
-   warm, or that no edge as strong as the skyline's separates from it.
+   are dropped. Where the winner leaks into the building, stricter thresholds do not: the
+   strictest region that is still large is sure sky.
+2. So are clouds: brighter parts of the region that the energy of [1] prefers (it likes to take in
+   clouds, and leaks) that are not warm, or that no edge as strong as the skyline's cuts off.
 3. GrabCut [2] learns both colours and grows the sky; only parts connected to sure sky stay.
 4. A guided filter [3] brings the border to full resolution.
 
@@ -46,10 +46,11 @@ _GUIDED_EPS = 1e-4  # squared, of values in 0..1
 
 @dataclass(frozen=True)
 class _Candidate:
-    """The sky by one threshold, and the log likelihood of that split."""
+    """The sky by one threshold, and how well it splits the picture by two measures."""
 
     is_sky: Mask
     likelihood: float
+    evenness: float
 
 
 def segment_sky(photo: Rgb) -> Mask:
@@ -76,17 +77,19 @@ def _sure_sky(photo: Rgb) -> Mask | None:
     for threshold in _THRESHOLDS:
         is_sky = _smooth_top(gradient < threshold, brightness)
         if _SHARES[0] <= is_sky.mean() <= _SHARES[1]:
-            candidates.append(_Candidate(is_sky, _likelihood(photo, is_sky)))
+            scores = _likelihood(photo, is_sky), _evenness(photo, is_sky)
+            candidates.append(_Candidate(is_sky, *scores))
     if not candidates:
         return None
     best = max(candidates, key=lambda candidate: candidate.likelihood)
     wanted = _STRICT_SHARE * best.is_sky.sum()
     strict = next(c.is_sky for c in candidates if c.is_sky.sum() >= wanted)
     smoothed = cv2.GaussianBlur(brightness, (0, 0), 2.0)
+    wide = max(candidates, key=lambda candidate: candidate.evenness).is_sky
     is_bright = smoothed >= _CLOUD * np.median(smoothed[strict])
     below = cv2.dilate(best.is_sky.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
     skyline = float(np.median(gradient[below & ~best.is_sky]))
-    parts = best.is_sky & is_bright & ~strict
+    parts = (best.is_sky | wide) & is_bright & ~strict
     is_cloud = _clouds(photo, parts, strict, gradient < _CLOUD_EDGE * skyline)
     return np.asarray(strict | is_cloud)
 
@@ -129,6 +132,14 @@ def _clouds(photo: Rgb, parts: Mask, anchor: Mask, is_soft: Mask) -> Mask:
         if soft or warmth[part].mean() < _WARM:
             clouds |= part
     return clouds
+
+
+def _evenness(photo: Rgb, is_sky: Mask) -> float:
+    """Energy of [1]: large where sky and ground both have compact colours, sky counted double."""
+    sky, ground = (np.cov(photo[part].astype(np.float64).T) for part in (is_sky, ~is_sky))
+    spread = 2.0 * np.linalg.det(sky) + np.linalg.det(ground)
+    spread += 2.0 * np.linalg.eigvalsh(sky)[-1] + np.linalg.eigvalsh(ground)[-1]
+    return float(1.0 / max(spread, 1e-12))
 
 
 def _likelihood(photo: Rgb, is_sky: Mask) -> float:
