@@ -14,7 +14,7 @@ from r3gw.losses.geometry import normal_loss, normals_from_depth, scale_loss
 from r3gw.losses.lighting import positivity_loss, random_directions
 from r3gw.losses.reconstruction import masked_l1, reconstruction_loss
 from r3gw.losses.separation import separation_loss, sky_depth_loss
-from r3gw.losses.ssim_reference import mean_ssim
+from r3gw.losses.ssim import mean_ssim
 
 EVERYWHERE = torch.ones(24, 32, dtype=torch.bool)
 

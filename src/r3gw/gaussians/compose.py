@@ -15,7 +15,7 @@ from r3gw.gaussians.model import SceneModel
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.colour import display_from_linear
 from r3gw.raster import rasterize
-from r3gw.shading.cook_torrance import shade
+from r3gw.shading.fused import shade
 
 COLOUR, DEPTH, NORMAL, FOREGROUND, SKY = slice(0, 3), 3, slice(4, 7), 7, 8
 NUM_COLOUR_GRADIENTS = 7

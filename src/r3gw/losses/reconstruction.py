@@ -4,7 +4,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from r3gw.losses.ssim_reference import mean_ssim
+from r3gw.losses.ssim import mean_ssim
 
 
 def masked_l1(

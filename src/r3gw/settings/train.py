@@ -1,6 +1,7 @@
 """Hyperparameters of one training. Values live in config/train.yaml; here are names and limits."""
 
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field
 
@@ -12,7 +13,7 @@ class ModelSettings(Strict):
 
     separate_sky: bool
     specular: bool
-    light_degree: int = Field(ge=0, le=4)
+    light_degree: Literal[2, 4]
     embedding_size: int = Field(ge=1)
     hidden_size: int = Field(ge=1)
     light_hidden_size: int = Field(ge=1)
