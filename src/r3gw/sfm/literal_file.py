@@ -103,21 +103,26 @@ def _key(key: ast.expr | None, parent: ast.Dict) -> object:
 
 def _number(node: ast.expr) -> float:
     if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-        return float(node.value)  # type: ignore[arg-type]
+        return _finite(node, lambda: float(node.value))  # type: ignore[arg-type]
     if isinstance(node, ast.Name | ast.Attribute) and ast.unparse(node) in _PI:
         return math.pi
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
         operand = _number(node.operand)
         return -operand if isinstance(node.op, ast.USub) else operand
     if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
-        try:
-            result = _OPERATORS[type(node.op)](_number(node.left), _number(node.right))
-        except ZeroDivisionError:
-            raise _Refused(node, "divides by zero") from None
-        if math.isfinite(result):
-            return result
-        raise _Refused(node, "has an expression that is not finite")
+        left, right = _number(node.left), _number(node.right)
+        return _finite(node, lambda: _OPERATORS[type(node.op)](left, right))
     raise _Refused(node, f"has an expression that is no literal ({_kind(node)})")
+
+
+def _finite(node: ast.expr, compute: Callable[[], float]) -> float:
+    try:
+        result = compute()
+    except (OverflowError, ZeroDivisionError):
+        result = math.inf
+    if math.isfinite(result):
+        return result
+    raise _Refused(node, "has a number that is not finite")
 
 
 def _kind(node: ast.AST) -> str:

@@ -1,0 +1,176 @@
+"""Photos to scene, on pictures of a made place whose cameras are known, and on real photos."""
+
+import os
+import struct
+from itertools import pairwise
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from r3gw.files import InputError
+from r3gw.imaging.files import read_rgb
+from r3gw.scene import load_points
+from r3gw.settings import PhotosScene
+from r3gw.sfm import import_scene
+
+SIZE = (400, 300)
+FOCAL_PX = 380.0
+REPOSITORY = Path(__file__).parents[2]
+SACRE_COEUR = Path(
+    os.environ.get("R3GW_SACRE_COEUR", REPOSITORY.parent / "shared" / "data" / "sacre_coeur")
+)
+# Point, two axes, extent along both: two walls that meet at z = 6, and the ground; up is -y.
+PLANES = (
+    ((0, 1, 6), (-0.8, 0, -0.6), (0, -1, 0), (6, 4)),
+    ((0, 1, 6), (0.6, 0, -0.8), (0, -1, 0), (6, 4)),
+    ((-5, 1, 0), (1, 0, 0), (0, 0, 1), (10, 8)),
+)
+
+
+def texture(seed):
+    rng = np.random.default_rng(seed)
+    image = sum(
+        cv2.resize(rng.normal(size=(n, n)).astype(np.float32), (800, 800), interpolation=3) * w
+        for n, w in ((12, 25), (50, 30), (160, 30))
+    )
+    return np.clip(image + 120, 0, 255).astype(np.uint8)
+
+
+TEXTURES = [texture(seed) for seed in range(3)]
+
+
+def place_photo(cam_from_world, centre):
+    """Ray cast the planes: an oracle that shares no code with the importer."""
+    x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
+    rays = np.stack([x - SIZE[0] / 2, y - SIZE[1] / 2, np.full_like(x, FOCAL_PX)], -1)
+    rays = rays @ cam_from_world
+    image = np.full((SIZE[1], SIZE[0]), 200, np.uint8)
+    nearest = np.full(image.shape, np.inf)
+    for (point, first, second, extent), pixels in zip(PLANES, TEXTURES, strict=True):
+        first, second = np.array(first, float), np.array(second, float)
+        normal = np.cross(first, second)
+        distance = ((np.array(point) - centre) @ normal) / (rays @ normal)
+        offset = centre + distance[..., None] * rays - np.array(point)
+        u, v = offset @ first / extent[0], offset @ second / extent[1]
+        hit = (distance > 0) & (distance < nearest) & (abs(u - 0.5) < 0.5) & (abs(v - 0.5) < 0.5)
+        nearest[hit] = distance[hit]
+        maps = [(value * 799).astype(np.float32) for value in (u, v)]
+        image[hit] = cv2.remap(pixels, *maps, cv2.INTER_LINEAR)[hit]
+    return image
+
+
+def jpeg_with_orientation(path, image, orientation):
+    """Store a photo turned, with the EXIF tag that turns it back (6: stored a quarter left)."""
+    data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 97])[1].tobytes()
+    tiff = b"II*\0" + struct.pack("<IHHHIHHI", 8, 1, 0x0112, 3, 1, orientation, 0, 0)
+    segment = b"Exif\0\0" + tiff
+    path.write_bytes(
+        data[:2] + b"\xff\xe1" + struct.pack(">H", len(segment) + 2) + segment + data[2:]
+    )
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Seven photos of the place, one stored turned, and one of nothing."""
+    folder = tmp_path_factory.mktemp("made")
+    photos = folder / "photos"
+    photos.mkdir()
+    rng = np.random.default_rng(3)
+    centres = {}
+    for number, azimuth in enumerate(np.linspace(-40, 40, 7)):
+        angle = np.radians(azimuth)
+        centre = np.array([4 * np.sin(angle), -0.2 * (number % 3), 5 - 5 * np.cos(angle)])
+        turn = Rotation.from_euler("YXZ", [-azimuth, rng.uniform(0, 8), rng.normal(0, 0.5)], True)
+        centres[f"photo_{number}"] = centre
+        image = place_photo(turn.as_matrix().T, centre)
+        if number == 2:
+            jpeg_with_orientation(photos / "photo_2.jpg", np.rot90(image), 6)
+        else:
+            cv2.imwrite(str(photos / f"photo_{number}.{'JPG' if number else 'png'}"), image)
+    noise = rng.integers(0, 255, (30, 40), dtype=np.uint8)
+    cv2.imwrite(str(photos / "elsewhere.png"), cv2.resize(noise, SIZE))
+    settings = PhotosScene(format="photos", path=".", max_image_px=200)
+    scene = import_scene("made", settings, photos, folder / "scene", num_threads=2, seed=1)
+    return folder, scene, centres
+
+
+def test_camera_positions_match_the_truth(made):
+    _, scene, centres = made
+    found = np.stack([view.camera.centre.numpy() for view in scene.views])
+    truth = np.stack([centres[view.name] for view in scene.views])
+    found, truth = found - found.mean(axis=0), truth - truth.mean(axis=0)
+    rotation, _ = Rotation.align_vectors(truth, found)
+    scale = np.linalg.norm(truth) / np.linalg.norm(found)
+    np.testing.assert_allclose(scale * rotation.apply(found), truth, rtol=0, atol=0.1)
+    # The alignment may turn about up only: gravity was found from the photos alone.
+    tilt = np.degrees(np.arccos(rotation.as_matrix()[1, 1]))
+    assert tilt < 1.5
+
+
+def test_points_have_the_asked_extent_and_scene_is_small(made):
+    folder, scene, _ = made
+    xyz = load_points(folder / "scene").xyz
+    distance = np.linalg.norm(xyz - xyz.mean(axis=0), axis=1)
+    np.testing.assert_allclose(np.percentile(distance, 99), 10.0, rtol=1e-4, atol=0)
+    assert all(max(view.width, view.height) == 200 for view in scene.views)
+    assert all(view.split == "train" and view.session is None for view in scene.views)
+
+
+def test_turned_photo_is_upright(made):
+    folder, scene, _ = made
+    upright = read_rgb(folder / "photos" / "photo_2.jpg")[..., 0]  # OpenCV applies the tag
+    assert upright.shape == (SIZE[1], SIZE[0])
+    view = next(view for view in scene.views if view.name == "photo_2")
+    assert view.width > view.height
+    found = read_rgb(folder / "scene" / view.image)[..., 0]
+    expected = cv2.resize(upright, (view.width, view.height), interpolation=cv2.INTER_AREA)
+    assert np.corrcoef(found.ravel(), expected.ravel())[0, 1] > 0.8
+
+
+def test_photo_of_elsewhere_falls_out_and_is_reported(made):
+    folder, scene, _ = made
+    report = (folder / "scene" / "sfm_report.json").read_text()
+    assert [view.name for view in scene.views] == [f"photo_{n}" for n in range(7)]
+    assert '"not_registered": [\n    "elsewhere.png"\n  ]' in report
+    left = {path.name for path in (folder / "scene").iterdir()}
+    assert left == {"scene.json", "sfm_report.json", "points.npz", "images"}
+
+
+def test_same_seed_gives_the_same_bytes(made):
+    folder, _, _ = made
+    settings = PhotosScene(format="photos", path=".", max_image_px=200)
+    import_scene("made", settings, folder / "photos", folder / "again", num_threads=2, seed=1)
+    for path in sorted((folder / "scene").rglob("*.*")):
+        other = folder / "again" / path.relative_to(folder / "scene")
+        assert path.read_bytes() == other.read_bytes(), path.name
+
+
+def test_too_few_photos_and_photos_without_overlap_get_advice(tmp_path):
+    settings = PhotosScene(format="photos", path=".")
+    photos = tmp_path / "photos"
+    photos.mkdir()
+    with pytest.raises(InputError, match="0 photos here, but at least 3 are needed"):
+        import_scene("few", settings, photos, tmp_path / "scene", num_threads=1)
+    for seed in range(3):
+        noise = np.random.default_rng(seed).integers(0, 255, (15, 20), dtype=np.uint8)
+        cv2.imwrite(str(photos / f"{seed}.png"), cv2.resize(noise, (160, 120)))
+    with pytest.raises(InputError, match=r"only 0 photos could be registered.*more overlap"):
+        import_scene("few", settings, photos, tmp_path / "scene", num_threads=1)
+    assert not list((tmp_path / "scene").iterdir())
+
+
+@pytest.mark.skipif(not SACRE_COEUR.is_dir(), reason=f"no Sacré-Cœur photos in {SACRE_COEUR}")
+def test_real_tourist_photos_register_upright(tmp_path):
+    settings = PhotosScene(format="photos", path=".")
+    scene = import_scene("sacre", settings, SACRE_COEUR, tmp_path / "scene", num_threads=2)
+    assert len(scene.views) == 10
+    for view in scene.views:
+        right, down, forward = np.array(view.cam_from_world)[:3, :3]
+        assert abs(np.degrees(np.arcsin(right[1]))) < 5  # no roll
+        assert 5 < np.degrees(np.arcsin(-forward[1])) < 45  # all look up at the church
+        assert down[1] > 0
+    centres = [view.camera.centre.numpy() for view in scene.views]
+    assert all(np.linalg.norm(a - b) > 0.1 for a, b in pairwise(centres))
