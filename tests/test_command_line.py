@@ -1,0 +1,48 @@
+"""The command line: help for every stage, and bad input as one sentence with exit status 2."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from click.testing import CliRunner
+
+from r3gw.__main__ import cli
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "r3gw", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("stage", sorted(cli.commands))
+def test_every_stage_has_help(stage):
+    shown = CliRunner().invoke(cli, [stage, "--help"])
+    assert shown.exit_code == 0
+    body = shown.output.split("Options:")
+    assert len(body[0].strip().splitlines()) >= 3  # usage and what the stage does
+    assert "--target" in shown.output or "--output" in shown.output
+
+
+def test_missing_scene_is_one_sentence(tmp_path):
+    done = run("masks", "--scene", str(tmp_path), "--sky", "given", "--target", str(tmp_path / "m"))
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert str(tmp_path / "scene.json") in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ('{"format": "photos"', "not readable as JSON"),
+        ("[1]", "expected a JSON object"),
+        (json.dumps({"format": "synthetic", "building": "chapel", "sampels": 3}), "sampels"),
+    ],
+)
+def test_wrong_entry_names_what_is_wrong(tmp_path, entry, said):
+    done = run("generate", "--entry", entry, "--target", str(tmp_path / "t"))
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "t").exists()
