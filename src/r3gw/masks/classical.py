@@ -6,7 +6,8 @@
    are dropped. Where the winner leaks into the building, stricter thresholds do not: the
    strictest region that is still large is sure sky.
 2. So are clouds: brighter parts of the region that the energy of [1] prefers (it likes to take in
-   clouds, and leaks) that are not warm, or that no edge as strong as the skyline's cuts off.
+   clouds, and leaks) that are blue or white, and of the likeliest one that are not warm or that no
+   edge as strong as the skyline's cuts off.
 3. GrabCut [2] learns both colours and grows the sky; only parts connected to sure sky stay.
 4. A guided filter [3] brings the border to full resolution.
 
@@ -37,6 +38,8 @@ _STRICT_SHARE = 0.75  # of the winner's area that the strict region must keep
 _DARK = 0.72  # times the main region's brightness; darker ones at the top are no sky
 _CLOUD = 0.95  # times the sure sky's median brightness
 _WARM = 130.0  # 8-bit b* of a colour just warmer than grey
+_BLUE = 122.0  # 8-bit b* of a colour that stone does not have
+_WHITE = 220.0  # 8-bit brightness of a sunlit cloud
 _CLOUD_EDGE = 0.35  # times the skyline's median gradient
 _GROUND_ROWS = 0.04  # of the height, at the bottom: never sky
 _GRABCUT_ROUNDS = 5
@@ -89,9 +92,11 @@ def _sure_sky(photo: Rgb) -> Mask | None:
     is_bright = smoothed >= _CLOUD * np.median(smoothed[strict])
     below = cv2.dilate(best.is_sky.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
     skyline = float(np.median(gradient[below & ~best.is_sky]))
-    parts = (best.is_sky | wide) & is_bright & ~strict
-    is_cloud = _clouds(photo, parts, strict, gradient < _CLOUD_EDGE * skyline)
-    return np.asarray(strict | is_cloud)
+    is_soft = gradient < _CLOUD_EDGE * skyline
+    clouds = _clouds(photo, best.is_sky & is_bright & ~strict, strict, is_soft)
+    is_pale = is_bright & _blue_or_white(photo)
+    clouds |= _clouds(photo, wide & is_pale & ~strict, strict, is_soft)
+    return np.asarray(strict | clouds)
 
 
 def _gradient(photo: Rgb) -> NDArray[np.float32]:
@@ -116,6 +121,14 @@ def _smooth_top(is_smooth: Mask, brightness: NDArray[np.float64]) -> Mask:
     kept = np.isin(labels, at_top[mean[at_top] >= _DARK * mean[largest]])
     # Give back the pixel that the dilated gradient took.
     return cv2.dilate(kept.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
+
+
+def _blue_or_white(photo: Rgb) -> Mask:
+    """Pixels whose surroundings are blue, or bright and not warm."""
+    smoothed = cv2.GaussianBlur(photo, (0, 0), 2.0).astype(np.uint8)
+    warmth = cv2.cvtColor(smoothed, cv2.COLOR_RGB2LAB)[..., 2]
+    is_white = (smoothed.max(axis=2) >= _WHITE) & (warmth < _WARM)
+    return np.asarray((warmth < _BLUE) | is_white)
 
 
 def _clouds(photo: Rgb, parts: Mask, anchor: Mask, is_soft: Mask) -> Mask:
