@@ -76,11 +76,12 @@ def _sure_sky(photo: Rgb) -> Mask | None:
     """A region that is sky with hardly a doubt, or None if there is no candidate."""
     brightness = photo.max(axis=2).astype(np.float64)
     gradient = cv2.dilate(_gradient(photo), np.ones((3, 3), np.uint8))
-    candidates = []
+    colours, candidates = _Colours(photo), []
     for threshold in _THRESHOLDS:
         is_sky = _smooth_top(gradient < threshold, brightness)
         if _SHARES[0] <= is_sky.mean() <= _SHARES[1]:
-            scores = _likelihood(photo, is_sky), _evenness(photo, is_sky)
+            both = colours.covariances(is_sky)
+            scores = _likelihood(is_sky, *both), _evenness(*both)
             candidates.append(_Candidate(is_sky, *scores))
     if not candidates:
         return None
@@ -147,23 +148,43 @@ def _clouds(photo: Rgb, parts: Mask, anchor: Mask, is_soft: Mask) -> Mask:
     return clouds
 
 
-def _evenness(photo: Rgb, is_sky: Mask) -> float:
-    """Energy of [1]: large where sky and ground both have compact colours, sky counted double."""
-    sky, ground = (np.cov(photo[part].astype(np.float64).T) for part in (is_sky, ~is_sky))
+class _Colours:
+    """Sums over a photo's pixels, from which the covariance of any region follows quickly."""
+
+    def __init__(self, photo: Rgb) -> None:
+        colours = photo.reshape(-1, 3).astype(np.float64)
+        ones = np.ones((len(colours), 1))
+        products = (colours[:, :, None] * colours[:, None, :]).reshape(-1, 9)
+        self._columns = np.ascontiguousarray(np.hstack([ones, colours, products]).T)
+        self._total = self._columns.sum(axis=1)
+
+    def covariances(self, is_sky: Mask) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Covariances ``[3, 3]`` of the colours of sky and ground, both not empty."""
+        sky = self._columns @ is_sky.ravel().astype(np.float64)
+        return _covariance(sky), _covariance(self._total - sky)
+
+
+def _covariance(sums: NDArray[np.float64]) -> NDArray[np.float64]:
+    mean = sums[1:4] / sums[0]
+    return np.asarray(sums[4:].reshape(3, 3) / sums[0] - np.outer(mean, mean))
+
+
+def _evenness(sky: NDArray[np.float64], ground: NDArray[np.float64]) -> float:
+    """Energy of [1]: large where both covariances are small, the sky's counted double."""
     spread = 2.0 * np.linalg.det(sky) + np.linalg.det(ground)
     spread += 2.0 * np.linalg.eigvalsh(sky)[-1] + np.linalg.eigvalsh(ground)[-1]
     return float(1.0 / max(spread, 1e-12))
 
 
-def _likelihood(photo: Rgb, is_sky: Mask) -> float:
+def _likelihood(is_sky: Mask, sky: NDArray[np.float64], ground: NDArray[np.float64]) -> float:
     """Log likelihood per pixel of a split, up to a constant (step 1)."""
     height = len(is_sky)
     odds = _HORIZON_SLOPE * (_HORIZON - (np.arange(height) + 0.5) / height)
     share = is_sky.mean(axis=1)  # of each row
     total = -float(np.mean(share * np.logaddexp(0, -odds) + (1 - share) * np.logaddexp(0, odds)))
-    for part in (is_sky, ~is_sky):
-        covariance = np.cov(photo[part].astype(np.float64).T) + _COLOUR_FLOOR * np.eye(3)
-        total -= 0.5 * float(part.mean() * np.linalg.slogdet(covariance)[1])
+    for weight, covariance in ((is_sky.mean(), sky), (1.0 - is_sky.mean(), ground)):
+        floored = covariance + _COLOUR_FLOOR * np.eye(3)
+        total -= 0.5 * float(weight * np.linalg.slogdet(floored)[1])
     return total
 
 
