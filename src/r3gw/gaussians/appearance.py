@@ -11,6 +11,10 @@ from r3gw.lighting import sh
 from r3gw.settings.train import ModelSettings
 
 
+# Factor on the last layers' first weights: all photos start with nearly the same, uniform light.
+FIRST_VARIATION = 0.1
+
+
 class Appearance(nn.Module):
     """Maps a training photo's index to its environment light and its sky coefficients."""
 
@@ -54,6 +58,8 @@ class Appearance(nn.Module):
         last = self.light_head[-1]
         assert isinstance(last, nn.Linear)  # for the type checker
         last.bias[:3] = light_radiance * sqrt(4 * pi)
+        for head in (last, self.sky_head):
+            head.weight.mul_(FIRST_VARIATION)
 
     def forward(self, photo: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
         """Light ``[(degree+1)**2, 3]`` and sky ``[4, 3]`` of one training photo, without noise."""

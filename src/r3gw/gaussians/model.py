@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from torch import nn
 
 from r3gw.files import InputError, atomic_path
 from r3gw.gaussians.appearance import Appearance
@@ -62,9 +61,9 @@ def initial_model(
     )
 
 
-def save_model(model: SceneModel, path: Path) -> None:
-    """Write the model atomically."""
-    content = {
+def model_content(model: SceneModel) -> dict[str, Any]:
+    """The model as tensors and plain values, for a file."""
+    return {
         "version": FILE_VERSION,
         "foreground": model.foreground.state_dict(),
         "sky": model.sky.state_dict(),
@@ -72,8 +71,12 @@ def save_model(model: SceneModel, path: Path) -> None:
         "photos": list(model.photos),
         "settings": model.settings.model_dump(mode="json"),
     }
+
+
+def save_model(model: SceneModel, path: Path) -> None:
+    """Write the model atomically."""
     with atomic_path(path) as temporary:
-        torch.save(content, temporary)
+        torch.save(model_content(model), temporary)
 
 
 def load_model(path: Path) -> SceneModel:
@@ -90,6 +93,13 @@ def load_model(path: Path) -> SceneModel:
             f"{path}: model file version {content.get('version')}, but this r3gw reads "
             f"version {FILE_VERSION}; train the scene again"
         )
+    model = model_from(content)
+    model.appearance.eval()
+    return model
+
+
+def model_from(content: dict[str, Any]) -> SceneModel:
+    """Invert `model_content`."""
     settings = TrainSettings.model_validate(content["settings"])
     photos = tuple(content["photos"])
     foreground = Rows("foreground.", _values(content["foreground"]))
@@ -101,14 +111,8 @@ def load_model(path: Path) -> SceneModel:
         len(photos), settings.model, settings.init.light_radiance, torch.Generator()
     )
     appearance.load_state_dict(content["appearance"])
-    appearance.eval()
     return SceneModel(foreground, sky, appearance, photos, settings)
 
 
 def _values(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     return {name.removeprefix("values."): value for name, value in state.items()}
-
-
-def modules(model: SceneModel) -> tuple[nn.Module, nn.Module, nn.Module]:
-    """The model's parts as torch modules."""
-    return model.foreground, model.sky, model.appearance

@@ -14,6 +14,7 @@ from torch import Tensor, nn
 from r3gw.gaussians.foreground import initial_log_scales
 from r3gw.gaussians.rows import Rows
 from r3gw.geometry.spherical import angles_from_direction, direction_from_angles
+from r3gw.imaging.colour import two_way_clamp
 from r3gw.lighting import sh
 
 PREFIX = "sky."
@@ -81,13 +82,15 @@ class Sky(nn.Module):
     def colours(
         self, sky_light: Float[Tensor, "4 3"], camera_centre: Float[Tensor, "3"]
     ) -> Float[Tensor, "n 3"]:
-        """Display colours (Eq. 11): SH + 0.5, at least 0, in the direction of the look.
+        """Display colours (Eq. 11): SH + 0.5, clamped to [0, 1], in the direction of the look.
+
+        Without the upper bound training finds skies of huge colour and hardly any opacity.
 
         The direction runs from camera to Gaussian, so that "up" in the coefficients is up in
         the sky, as in the environment light.
         """
         looks = torch.nn.functional.normalize(self.means() - camera_centre.to(self.centre), dim=-1)
-        return (sh.radiance(sky_light, looks.detach()) + 0.5).clamp_min(0.0)
+        return two_way_clamp(sh.radiance(sky_light, looks.detach()) + 0.5, 0.0, 1.0)
 
     @torch.no_grad()
     def clamp_to_dome(self) -> None:

@@ -20,7 +20,15 @@ def display_from_linear(linear: Float[Tensor, "*shape"]) -> Float[Tensor, "*shap
     The backward pass lets a gradient through a clamped value only where it leads back into
     range: an overexposed value may still get darker, a black one lighter.
     """
-    return torch.pow(_TwoWayClamp.apply(linear, DARKEST, 1.0), 1.0 / GAMMA)  # type: ignore[no-untyped-call]
+    return torch.pow(two_way_clamp(linear, DARKEST, 1.0), 1.0 / GAMMA)
+
+
+def two_way_clamp(
+    values: Float[Tensor, "*shape"], low: float, high: float
+) -> Float[Tensor, "*shape"]:
+    """Clamp whose gradient is kept where descent leads back into the range."""
+    clamped: Tensor = _TwoWayClamp.apply(values, low, high)  # type: ignore[no-untyped-call]
+    return clamped
 
 
 def linear_from_display(display: Float[Tensor, "*shape"]) -> Float[Tensor, "*shape"]:
@@ -35,7 +43,7 @@ def display_array_from_linear(linear: NDArray[np.floating]) -> NDArray[np.float3
 
 
 class _TwoWayClamp(torch.autograd.Function):
-    """Clamp whose gradient is kept where it points back into the range."""
+    """See `two_way_clamp`."""
 
     @staticmethod
     def forward(ctx, value: Tensor, low: float, high: float) -> Tensor:  # type: ignore[no-untyped-def]

@@ -23,7 +23,7 @@ class SyntheticScene(Strict):
     height_px: int = Field(180, ge=16)
     train_views: int = Field(20, ge=2)
     test_views: int = Field(4, ge=1)
-    samples: int = Field(32, ge=1)
+    samples: int = Field(20, ge=1)
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
     sky_masks: Literal["given", "classical", "given-or-classical"] = "given"

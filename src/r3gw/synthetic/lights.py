@@ -23,6 +23,8 @@ Map = NDArray[np.float64]
 
 HEIGHT_PX = 256
 SKY_SCALE = 10.0
+# Geometric mean of a panorama's linear values: under middle grey, to keep the sky unclipped.
+PANORAMA_GREY = 0.1
 GROUND_ALBEDO = np.array([0.24, 0.23, 0.2])
 
 
@@ -189,7 +191,7 @@ def phone_panorama(light: Map, yaw_rad: float) -> NDArray[np.float32]:
             ``psi + yaw``; the picture is turned by the nearest whole pixel (`whole_pixel_yaw`).
     """
     bright = light.mean(axis=2)
-    exposure = 0.32 / np.exp(np.log(bright + 1e-6).mean())
+    exposure = PANORAMA_GREY / np.exp(np.log(bright + 1e-6).mean())
     exposed = light * exposure
     spill = np.minimum(exposed, 400.0) - np.minimum(exposed, 1.5)
     bloom = np.zeros_like(exposed)

@@ -24,6 +24,15 @@ class History:
         self.start = time.perf_counter()
         self.rows: list[dict[str, float | int]] = []
 
+    def seconds(self) -> float:
+        """Time spent training so far."""
+        return time.perf_counter() - self.start
+
+    def resume(self, rows: list[dict[str, float | int]], seconds: float) -> None:
+        """Go on after ``rows``, ``seconds`` into the run."""
+        self.rows = rows
+        self.start = time.perf_counter() - seconds
+
     def is_due(self, iteration: int) -> bool:
         """Whether this iteration gets a row."""
         return iteration % self.interval == 0 or iteration == 1
@@ -39,7 +48,7 @@ class History:
         """Record one iteration and return its row; losses that do not act are 0."""
         row: dict[str, float | int] = {
             "iteration": iteration,
-            "seconds": time.perf_counter() - self.start,
+            "seconds": self.seconds(),
             "loss": float(sum(float(part.detach()) for part in parts.values())),
             "psnr": photo_psnr(rendering, photo),
             "num_foreground": len(model.foreground),

@@ -1,11 +1,6 @@
 """The training loop of one run: a scene, resolved settings, a seed."""
 
-import logging
 import sys
-import time
-from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
 import torch
 from tqdm import tqdm
@@ -17,126 +12,106 @@ from r3gw.gaussians.density import (
     reset_opacity,
     rising_threshold,
 )
-from r3gw.gaussians.initial import load_initial
-from r3gw.gaussians.model import SceneModel, initial_model
-from r3gw.scene import load_scene
-from r3gw.settings import TrainSettings
+from r3gw.gaussians.model import SceneModel
 from r3gw.training.history import History
 from r3gw.training.objective import objective
-from r3gw.training.optimizer import make_optimizer, set_position_rate
-from r3gw.training.photos import Photo, camera_extent, load_photos
+from r3gw.training.optimizer import set_position_rate
+from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
+from r3gw.training.state import Checkpoints, TrainingState, first_state
 
-log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Trained:
-    """Result of a training: the model, its history and how long it took."""
-
-    model: SceneModel
-    history: History
-    seconds: float
+BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
 
 
-def train_scene(
-    scene_folder: Path, masks_folder: Path, initial_path: Path, settings: TrainSettings
-) -> Trained:
-    """Train one scene.
+def train(
+    model: SceneModel, photos: list[Photo], checkpoints: Checkpoints | None = None
+) -> tuple[SceneModel, History]:
+    """Optimise ``model`` on ``photos`` for the iterations that its settings name.
+
+    Args:
+        model: The initial model; changed in place, unless a checkpoint takes its place.
+        photos: In the order of ``model.photos``.
+        checkpoints: Where to continue from and save to; None does neither.
 
     Raises:
-        InputError: If inputs are missing or malformed, or the loss stops being finite.
+        InputError: If the loss stops being finite or the foreground vanishes.
     """
-    photos = load_photos(load_scene(scene_folder), scene_folder, masks_folder)
-    names = tuple(photo.name for photo in photos)
-    model = initial_model(load_initial(initial_path), names, settings)
-    return train(model, photos)
-
-
-def train(model: SceneModel, photos: list[Photo]) -> Trained:
-    """Optimise ``model`` on ``photos`` for the iterations that its settings name."""
-    settings = model.settings
-    schedule = Schedule.of(settings)
-    torch.manual_seed(settings.seed)  # dropout draws from the global generator
-    generator = torch.Generator().manual_seed(settings.seed)
-    optimizer = make_optimizer(model)
+    state = first_state(model)
+    if checkpoints is not None:
+        state = checkpoints.restore(state)
+    iterations = model.settings.iterations
+    schedule = Schedule.of(model.settings)
     extent = camera_extent([photo.camera for photo in photos])
-    statistics = GradientStatistics(model.num_gaussians)
-    history = History(settings.iterations)
-    order = _shuffled(len(photos), generator)
-    model.appearance.train()
-    start = time.perf_counter()
-    quiet_s = 0.1 if sys.stderr.isatty() else 10.0
-    with tqdm(total=settings.iterations, desc="train", mininterval=quiet_s) as bar:
-        for iteration in range(1, settings.iterations + 1):
-            set_position_rate(optimizer, model, schedule, iteration)
-            index = next(order)
-            photo = photos[index]
-            rendering, parts = objective(model, photo, index, iteration, schedule, generator)
-            loss = torch.stack(list(parts.values())).sum()
-            if not torch.isfinite(loss):
-                raise InputError(_not_finite(iteration, photo, parts))
-            optimizer.zero_grad(set_to_none=True)
-            torch.autograd.backward(loss)
-            if iteration <= schedule.densify_last and rendering.means2d.grad is not None:
-                camera = photo.camera
-                statistics.add(
-                    rendering.means2d.grad, rendering.radii_px, camera.width, camera.height
-                )
-            optimizer.step()
-            model.sky.clamp_to_dome()
-            if _change_density(
-                model, optimizer, schedule, statistics, iteration, extent, generator
-            ):
-                statistics = GradientStatistics(model.num_gaussians)
-            if history.is_due(iteration):
-                row = history.add(iteration, model, photo, rendering, parts)
+    state.model.appearance.train()
+    interval_s = BAR_INTERVAL_S[sys.stderr.isatty()]
+    with tqdm(
+        total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
+    ) as bar:
+        while state.iteration < iterations:
+            row = _step(state, photos, schedule, extent)
+            if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
-    model.appearance.eval()
-    return Trained(model, history, time.perf_counter() - start)
+            if checkpoints is not None:
+                checkpoints.save_if_due(state)
+    state.model.appearance.eval()
+    return state.model, state.history
 
 
-def _change_density(
-    model: SceneModel,
-    optimizer: torch.optim.Optimizer,
-    schedule: Schedule,
-    statistics: GradientStatistics,
-    iteration: int,
-    extent: float,
-    generator: torch.Generator,
-) -> bool:
-    """Densify and reset opacities if due; return whether the Gaussians changed in number."""
+def _step(
+    state: TrainingState, photos: list[Photo], schedule: Schedule, extent: float
+) -> dict[str, float | int] | None:
+    """Do one iteration; return its row of the history if it gets one."""
+    state.iteration += 1
+    iteration, model = state.iteration, state.model
+    set_position_rate(state.optimizer, model, schedule, iteration)
+    index = state.order.next(state.generator)
+    photo = photos[index]
+    rendering, parts = objective(model, photo, index, iteration, schedule, state.generator)
+    loss = torch.stack(list(parts.values())).sum()
+    if not torch.isfinite(loss):
+        raise InputError(_not_finite(iteration, photo, parts))
+    state.optimizer.zero_grad(set_to_none=True)
+    torch.autograd.backward(loss)
+    gradient = rendering.means2d.grad
+    if iteration <= schedule.densify_last and gradient is not None:
+        camera = photo.camera
+        state.statistics.add(gradient, rendering.radii_px, camera.width, camera.height)
+    state.optimizer.step()
+    model.sky.clamp_to_dome()
+    _change_density(state, schedule, extent)
+    if not state.history.is_due(iteration):
+        return None
+    return state.history.add(iteration, model, photo, rendering, parts)
+
+
+def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> None:
+    """Densify and reset opacities if due."""
+    iteration, model = state.iteration, state.model
     density = model.settings.density
-    is_due = schedule.densifies(iteration)
-    if is_due:
+    if schedule.densifies(iteration):
+        threshold = rising_threshold(
+            schedule.density_progress(iteration),
+            density.threshold_first,
+            density.threshold_last,
+        )
         densify(
             model,
-            optimizer,
-            statistics.mean(),
-            threshold=rising_threshold(
-                schedule.density_progress(iteration),
-                density.threshold_first,
-                density.threshold_last,
-            ),
+            state.optimizer,
+            state.statistics.mean(),
+            threshold=threshold,
             extent=extent,
             prune_huge=schedule.prunes_huge(iteration),
-            generator=generator,
+            generator=state.generator,
         )
+        state.statistics = GradientStatistics(model.num_gaussians)
         if len(model.foreground) == 0:
             raise InputError(
                 f"training lost all foreground Gaussians at iteration {iteration}; check the "
                 "masks (polarity, coverage) and the learning rates"
             )
     if schedule.resets_opacity(iteration):
-        reset_opacity(model, optimizer)
-    return is_due
-
-
-def _shuffled(count: int, generator: torch.Generator) -> Iterator[int]:
-    """Yield photo indices forever, each epoch in a new random order."""
-    while True:
-        yield from torch.randperm(count, generator=generator).tolist()
+        reset_opacity(model, state.optimizer)
 
 
 def _postfix(row: dict[str, float | int]) -> str:

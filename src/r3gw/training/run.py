@@ -6,9 +6,13 @@ import torch
 
 from r3gw.files import write_json
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
-from r3gw.gaussians.model import save_model
+from r3gw.gaussians.initial import load_initial
+from r3gw.gaussians.model import initial_model, save_model
+from r3gw.scene import load_scene
 from r3gw.settings import load_train_settings
-from r3gw.training.loop import train_scene
+from r3gw.training.loop import train
+from r3gw.training.photos import load_photos
+from r3gw.training.state import Checkpoints
 
 
 def run_training(
@@ -38,9 +42,13 @@ def run_training(
     """
     torch.set_num_threads(num_threads)
     settings = load_train_settings(settings_path)
-    trained = train_scene(scene_folder, masks_folder, initial_path, settings)
-    save_model(trained.model, target / "model.pt")
-    trained.history.write(target / "history.csv")
+    photos = load_photos(load_scene(scene_folder), scene_folder, masks_folder)
+    names = tuple(photo.name for photo in photos)
+    start = initial_model(load_initial(initial_path), names, settings)
+    checkpoints = Checkpoints(target, start)
+    model, history = train(start, photos, checkpoints)
+    save_model(model, target / "model.pt")
+    history.write(target / "history.csv")
     record = {
         "scene": scene,
         "variant": variant,
@@ -50,9 +58,10 @@ def run_training(
         "code_version": code_version(),
         "machine": machine(),
         "num_threads": num_threads,
-        "training_seconds": trained.seconds,
+        "training_seconds": history.seconds(),
         "peak_rss_mb": peak_rss_mb(),
-        "num_foreground": len(trained.model.foreground),
-        "num_sky": len(trained.model.sky.rows),
+        "num_foreground": len(model.foreground),
+        "num_sky": len(model.sky.rows),
     }
     write_json(target / "run.json", record)
+    checkpoints.discard()
