@@ -22,7 +22,7 @@ if shutil.which(compiler) is None:
 flags = ["-O3", "-std=c++20", "-fopenmp", "-fno-math-errno", "-fno-trapping-math"]
 # Products and sums fuse only where the source says fma, so that results do not depend on which
 # expressions a compiler joins. -Wno-psabi: 64-byte vectors are never passed across the library.
-flags += ["-ffp-contract=off", "-Wall", "-Wextra", "-Wno-psabi"]
+flags += ["-ffp-contract=off", "-Wall", "-Wno-psabi"]
 link_flags = ["-fopenmp"]
 if os.environ.get("R3GW_PORTABLE") != "1":
     flags.append("-march=native")

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <tuple>
 #include <vector>
 
@@ -63,6 +64,22 @@ void blur_along(const float* padded, std::int64_t stride, float* target) {
   }
 }
 
+// The mask of picture row y as ones and zeros, once per channel.
+void expand_mask(const Pictures& p, std::int64_t y, float* target) {
+  for (std::int64_t x = 0; x < p.width; ++x) {
+    const float valid = p.is_valid[y * p.width + x] ? 1.0f : 0.0f;
+    for (int c = 0; c < kChannels; ++c) target[x * kChannels + c] = valid;
+  }
+}
+
+// Sixteen values of which `left` or fewer exist; zero beyond them.
+R3GW_INLINE Lanes load_existing(const float* source, std::int64_t left) {
+  if (left >= kLanes) return load(source);
+  Lanes value{};
+  std::memcpy(&value, source, left * sizeof(float));
+  return value;
+}
+
 // Horizontally blurred rows of `planes` quantities; row y lives at y modulo the window.
 class RowRing {
  public:
@@ -101,20 +118,18 @@ void fill_ring_row(const Pictures& p, std::int64_t y, std::vector<float>& scratc
   for (int plane = 0; plane < kPlanes; ++plane) planes[plane] = scratch.data() + plane * padded;
   const float* rendered = p.rendered + y * p.width * kChannels;
   const float* target = p.target + y * p.width * kChannels;
-  for (std::int64_t x = 0; x < p.width; ++x) {
-    const bool valid = p.is_valid[y * p.width + x];
-    for (int c = 0; c < kChannels; ++c) {
-      const std::int64_t i = x * kChannels + c;
-      planes[kWeight][kPad + i] = valid ? 1.0f : 0.0f;
-      planes[kA][kPad + i] = valid ? rendered[i] : 0.0f;
-      planes[kB][kPad + i] = valid ? target[i] : 0.0f;
-    }
-  }
-  for (std::int64_t x = kPad; x < kPad + stride; x += kLanes) {
-    const Lanes a = load(planes[kA] + x), b = load(planes[kB] + x);
-    store(planes[kAA] + x, a * a);
-    store(planes[kBB] + x, b * b);
-    store(planes[kAB] + x, a * b);
+  expand_mask(p, y, planes[kWeight] + kPad);
+  const std::int64_t length = p.width * kChannels;
+  for (std::int64_t x = 0; x < length; x += kLanes) {
+    // Selected, not multiplied: what a masked pixel holds, NaN included, must not matter.
+    const Mask valid = greater_equal(load(planes[kWeight] + kPad + x), splat(0.5f));
+    const Lanes a = keep(valid, load_existing(rendered + x, length - x));
+    const Lanes b = keep(valid, load_existing(target + x, length - x));
+    store(planes[kA] + kPad + x, a);
+    store(planes[kB] + kPad + x, b);
+    store(planes[kAA] + kPad + x, a * a);
+    store(planes[kBB] + kPad + x, b * b);
+    store(planes[kAB] + kPad + x, a * b);
   }
   for (int plane = 0; plane < kPlanes; ++plane)
     blur_along(planes[plane], stride, ring.row(y, plane));
@@ -147,6 +162,7 @@ void sweep(const Pictures& p, std::int64_t begin, std::int64_t end, double* row_
   const std::int64_t stride = p.stride(), padded = stride + 2 * kPad;
   RowRing ring(kPlanes, stride);
   std::vector<float> scratch(kPlanes * padded, 0.0f), derivatives(kDerivatives * padded, 0.0f);
+  std::vector<float> valid(stride, 0.0f);
   for (std::int64_t y = begin - kHalfWindow; y < begin + kHalfWindow; ++y) {
     fill_ring_row(p, y, scratch, ring);
   }
@@ -154,14 +170,12 @@ void sweep(const Pictures& p, std::int64_t begin, std::int64_t end, double* row_
     fill_ring_row(p, y + kHalfWindow, scratch, ring);
     std::array<const float*, kWindow> columns[kPlanes];
     for (int plane = 0; plane < kPlanes; ++plane) columns[plane] = ring.column(y, plane);
+    expand_mask(p, y, valid.data());
     Lanes row_sum{};
     for (std::int64_t x = 0; x < stride; x += kLanes) {
-      Lanes blurred[kPlanes], valid{};
+      Lanes blurred[kPlanes];
       for (int plane = 0; plane < kPlanes; ++plane) blurred[plane] = blur_down(columns[plane], x);
-      for (int lane = 0; lane < kLanes && x + lane < p.width * kChannels; ++lane) {
-        valid[lane] = p.is_valid[y * p.width + (x + lane) / kChannels] ? 1.0f : 0.0f;
-      }
-      const Similarity result = similarity(blurred, valid);
+      const Similarity result = similarity(blurred, load(valid.data() + x));
       row_sum += result.value;
       for (int d = 0; d < kDerivatives; ++d) {
         store(derivatives.data() + d * padded + kPad + x, result.derivatives[d]);
@@ -180,7 +194,9 @@ void sweep(const Pictures& p, std::int64_t begin, std::int64_t end, double* row_
 void gradient_rows(const Pictures& p, std::int64_t begin, std::int64_t end, float scale,
                    const float* derivatives, float* gradient) {
   const std::int64_t stride = p.stride();
+  const std::int64_t length = p.width * kChannels;
   const std::vector<float> outside(stride, 0.0f);
+  std::vector<float> valid(stride, 0.0f);
   for (std::int64_t y = begin; y < end; ++y) {
     std::array<const float*, kWindow> columns[kDerivatives];
     for (int d = 0; d < kDerivatives; ++d) {
@@ -190,16 +206,16 @@ void gradient_rows(const Pictures& p, std::int64_t begin, std::int64_t end, floa
         columns[d][i] = inside ? derivatives + (d * p.height + row) * stride : outside.data();
       }
     }
+    expand_mask(p, y, valid.data());
     for (std::int64_t x = 0; x < stride; x += kLanes) {
       const Lanes by_mean = blur_down(columns[kByMean], x);
       const Lanes by_square = blur_down(columns[kBySquare], x);
       const Lanes by_product = blur_down(columns[kByProduct], x);
-      for (int lane = 0; lane < kLanes && x + lane < p.width * kChannels; ++lane) {
-        const std::int64_t i = y * p.width * kChannels + x + lane;
-        const float value =
-            by_mean[lane] + 2.0f * p.rendered[i] * by_square[lane] + p.target[i] * by_product[lane];
-        gradient[i] = p.is_valid[i / kChannels] ? scale * value : 0.0f;
-      }
+      const std::int64_t left = length - x, i = y * length + x;
+      const Lanes a = load_existing(p.rendered + i, left), b = load_existing(p.target + i, left);
+      const Lanes value = scale * (by_mean + 2.0f * a * by_square + b * by_product);
+      const Lanes kept = keep(greater_equal(load(valid.data() + x), splat(0.5f)), value);
+      std::memcpy(gradient + i, &kept, std::min<std::int64_t>(left, kLanes) * sizeof(float));
     }
   }
 }

@@ -18,7 +18,7 @@ using BlockWords = std::array<std::uint64_t, kBlocks>;
 // From one 16-bit mask of blocks per entry to one 64-bit word of entries per block.
 BlockWords words_from_masks(const std::uint16_t* masks, int count) {
   BlockWords words{};
-  const IntLanes block_bit = IntLanes{} + 1 << kLaneIndex;
+  const IntLanes block_bit = (IntLanes{} + 1) << kLaneIndex;
   for (int half = 0; half < 2; ++half) {
     IntLanes collected{};
     for (int entry = 32 * half; entry < std::min(count, 32 * half + 32); ++entry) {

@@ -1,6 +1,7 @@
 // Registers the rasterizer as torch.ops.r3gw.*, and the Python module whose import loads them all.
+#include <ATen/ATen.h>
+#include <Python.h>
 #include <torch/custom_class.h>
-#include <torch/extension.h>
 #include <torch/library.h>
 
 #include <algorithm>
@@ -161,6 +162,11 @@ TORCH_LIBRARY_FRAGMENT(r3gw, library) {
 
 }  // namespace r3gw
 
-PYBIND11_MODULE(_C, module) {
-  module.doc() = "Importing this module registers r3gw's C++ kernels as torch.ops.r3gw.*.";
+// An empty module: loading the library has already registered everything above.
+PyMODINIT_FUNC PyInit__C() {
+  static PyModuleDef definition{};
+  definition.m_base = PyModuleDef_HEAD_INIT;
+  definition.m_name = "_C";
+  definition.m_size = -1;
+  return PyModule_Create(&definition);
 }

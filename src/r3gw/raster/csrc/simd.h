@@ -54,7 +54,7 @@ R3GW_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) {
 R3GW_INLINE Lanes minus_product(Lanes c, Lanes a, Lanes b) {
   return (Lanes)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
 }
-R3GW_INLINE Lanes square_root(Lanes a) { return (Lanes)_mm512_sqrt_ps((__m512)a); }
+R3GW_INLINE Lanes square_root(Lanes a) { return (Lanes)_mm512_maskz_sqrt_ps(0xffff, (__m512)a); }
 
 #else
 

@@ -1,8 +1,6 @@
 // The basis of r3gw.lighting.sh with its derivatives, for sixteen directions at a time.
 #pragma once
 
-#include <array>
-
 #include "raster/csrc/simd.h"
 
 namespace r3gw {
@@ -23,6 +21,18 @@ constexpr float sh_norm(int l, int m) {
   return static_cast<float>(constant_sqrt((2 * l + 1) / (4.0 * kPi) * ratio * (m > 0 ? 2.0 : 1.0)));
 }
 
+constexpr int kMaxShDegree = 4;
+
+struct ShNorms {
+  float at[kMaxShDegree + 1][kMaxShDegree + 1] = {};
+  constexpr ShNorms() {
+    for (int l = 0; l <= kMaxShDegree; ++l) {
+      for (int m = 0; m <= l; ++m) at[l][m] = sh_norm(l, m);
+    }
+  }
+};
+constexpr ShNorms kShNorms;
+
 // Values Y_i and, by x, y and z, the derivatives of the same polynomials that sh.basis evaluates.
 template <int Degree>
 struct ShBasis {
@@ -38,7 +48,7 @@ struct ShBasis {
       Lanes before{}, p = splat(double_factorial), slope_before{}, slope{};
 #pragma GCC unroll 8
       for (int l = m; l <= Degree; ++l) {  // p is P_l^m(z) / (1 - z^2)^(m/2), slope its derivative
-        const float norm = sh_norm(l, m), times_m = static_cast<float>(m);
+        const float norm = kShNorms.at[l][m], times_m = static_cast<float>(m);
         const Lanes scaled = norm * p, scaled_slope = norm * slope, turned = times_m * scaled;
         set(l * l + l + m, scaled * cos_m, turned * cos_before, -turned * sin_before,
             scaled_slope * cos_m);

@@ -95,7 +95,9 @@ Reflectance reflectance(const float* table, Lanes cosine, Lanes roughness) {
   return result;
 }
 
-constexpr int band_of(int i) { return i == 0 ? 0 : i < 4 ? 1 : i < 9 ? 2 : i < 16 ? 3 : 4; }
+// Band l of coefficient l*l + l + m.
+constexpr int kBandOf[] = {0, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3,
+                           3, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 4};
 
 // Gradients of one light coefficient table [count,3], one register per number.
 template <int Degree>
@@ -107,7 +109,7 @@ void radiance(const ShBasis<Upto>& basis, const float* light, const Lanes* band_
               Lanes (&value)[3]) {
   for (Lanes& channel : value) channel = Lanes{};
   for (int i = 0; i < sh_count(Upto); ++i) {
-    const Lanes weighted = basis.value[i] * band_weights[band_of(i)];
+    const Lanes weighted = basis.value[i] * band_weights[kBandOf[i]];
     for (int c = 0; c < 3; ++c) value[c] = fma(weighted, splat(light[3 * i + c]), value[c]);
   }
 }
@@ -118,11 +120,11 @@ void radiance_backward(const ShBasis<Upto>& basis, const float* light, const Lan
                        const Lanes (&gradient)[3], LightSums<Degree>& light_sums,
                        Lanes (&direction)[3], Lanes* by_band) {
   for (int i = 0; i < sh_count(Upto); ++i) {
-    const Lanes weight = band_weights[band_of(i)], weighted = basis.value[i] * weight;
+    const Lanes weight = band_weights[kBandOf[i]], weighted = basis.value[i] * weight;
     Lanes pull = gradient[0] * light[3 * i];
     for (int c = 1; c < 3; ++c) pull = fma(gradient[c], splat(light[3 * i + c]), pull);
     for (int c = 0; c < 3; ++c) light_sums[i][c] = fma(weighted, gradient[c], light_sums[i][c]);
-    by_band[band_of(i)] = fma(pull, basis.value[i], by_band[band_of(i)]);
+    by_band[kBandOf[i]] = fma(pull, basis.value[i], by_band[kBandOf[i]]);
     const Lanes weighted_pull = pull * weight;
     for (int axis = 0; axis < 3; ++axis) {
       direction[axis] = fma(weighted_pull, basis.by[axis][i], direction[axis]);
