@@ -124,10 +124,12 @@ def test_sky_of_small_and_large_photos(size):
     assert (found & truth).sum() / (found | truth).sum() > 0.97
 
 
-def test_cloud_on_a_blue_sky_is_sky():
-    photo, truth = made_photo((90, 130, 210), (170, 150, 120))
+@pytest.mark.parametrize("hard", [0, 70])  # pixels from the left whose edge is hard
+def test_cloud_on_a_blue_sky_is_sky(hard):
+    photo, truth = made_photo((60, 100, 190), (150, 130, 105))
     y, x = np.mgrid[:300, :400]
-    cloud = np.exp(-(((x - 60) / 60) ** 4) - ((y - 120) / 40) ** 4)[..., None] * truth[..., None]
+    cloud = np.exp(-(((x - 60) / 60) ** 4) - ((y - 160) / 50) ** 4)
+    cloud = np.where(x < hard, cloud > 0.5, cloud)[..., None] * truth[..., None]
     photo = (photo * (1 - cloud) + 250 * cloud).astype(np.uint8)
     found = segment_sky(photo)
     assert (found & truth).sum() / (found | truth).sum() > 0.97

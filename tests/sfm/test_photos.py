@@ -164,7 +164,7 @@ def test_too_few_photos_and_photos_without_overlap_get_advice(tmp_path):
 
 @pytest.mark.skipif(not SACRE_COEUR.is_dir(), reason=f"no Sacré-Cœur photos in {SACRE_COEUR}")
 def test_real_tourist_photos_register_upright(tmp_path):
-    settings = PhotosScene(format="photos", path=".")
+    settings = PhotosScene(format="photos", path=".", max_image_px=400)
     scene = import_scene("sacre", settings, SACRE_COEUR, tmp_path / "scene", num_threads=2)
     assert len(scene.views) == 10
     for view in scene.views:
