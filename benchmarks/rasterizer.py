@@ -22,11 +22,10 @@ from typing import Any
 
 import click
 import pandas as pd
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 import torch
 
 from r3gw.files import atomic_path
-from r3gw.raster import reference
+from r3gw.raster import reference  # Loads torch.ops.r3gw too.
 
 TARGET = Path("results/benchmarks/rasterizer.csv")
 COLUMNS = [

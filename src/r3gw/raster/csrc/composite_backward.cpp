@@ -126,6 +126,8 @@ void tile_gradient(Frame& frame, int tile, const ChannelPass& pass, const ImageG
 // Sum of the gradient rows of one Gaussian, over its tiles in order.
 template <int Stride>
 void sum_cells(const Frame& frame, std::int64_t rank, float* sum) {
+  alignas(64) static constexpr float kZeros[Stride] = {};
+  const float* rows = frame.gradient_rows.data();
   Lanes total[Stride / kLanes] = {};
   const TileRect rect = frame.rects[rank];
   std::int64_t cell = frame.first_cell[rank];
@@ -133,8 +135,10 @@ void sum_cells(const Frame& frame, std::int64_t rank, float* sum) {
     for (int x = rect.left; x < rect.right; ++x, ++cell) {
       const int tile = y * frame.tiles_x + x;
       const std::uint32_t place = frame.cell_place[cell];
-      if (frame.cell_mask[cell] == 0 || place >= frame.used_entries[tile]) continue;
-      const float* row = frame.gradient_rows.data() + (frame.first_gradient[tile] + place) * Stride;
+      // A choice of address instead of a branch: which cells were drawn is hard to predict.
+      const bool drawn = (frame.cell_mask[cell] != 0) & (place < frame.used_entries[tile]);
+      const float* own = rows + (frame.first_gradient[tile] + place) * Stride;
+      const float* row = drawn ? own : kZeros;
       for (int i = 0; i < Stride / kLanes; ++i) total[i] += load(row + i * kLanes);
     }
   }
