@@ -20,6 +20,7 @@ namespace r3gw {
 namespace {
 
 constexpr std::int64_t kRanksPerPart = 2048, kImageRowsPerPart = 32;
+constexpr int kRanksAhead = 32;  // Gaussians whose gradient rows are fetched together.
 
 // Columns of a gradient row: moments of dL/dln(alpha) over the pixels, then feature gradients.
 enum MomentColumn { kSum, kSumS, kSumT, kSumSS, kSumST, kSumTT, kMoments };
@@ -123,24 +124,28 @@ void tile_gradient(Frame& frame, int tile, const ChannelPass& pass, const ImageG
   }
 }
 
-// Sum of the gradient rows of one Gaussian, over its tiles in order.
+// Appends the gradient rows of one Gaussian, tile by tile, and starts fetching them: they lie far
+// apart, and the sum would wait for each.
 template <int Stride>
-void sum_cells(const Frame& frame, std::int64_t rank, float* sum) {
-  alignas(64) static constexpr float kZeros[Stride] = {};
-  const float* rows = frame.gradient_rows.data();
-  Lanes total[Stride / kLanes] = {};
+void list_rows(const Frame& frame, std::int64_t rank, std::vector<const float*>& rows) {
   const TileRect rect = frame.rects[rank];
   std::int64_t cell = frame.first_cell[rank];
   for (int y = rect.top; y < rect.bottom; ++y) {
     for (int x = rect.left; x < rect.right; ++x, ++cell) {
       const int tile = y * frame.tiles_x + x;
       const std::uint32_t place = frame.cell_place[cell];
-      // A choice of address instead of a branch: which cells were drawn is hard to predict.
-      const bool drawn = (frame.cell_mask[cell] != 0) & (place < frame.used_entries[tile]);
-      const float* own = rows + (frame.first_gradient[tile] + place) * Stride;
-      const float* row = drawn ? own : kZeros;
-      for (int i = 0; i < Stride / kLanes; ++i) total[i] += load(row + i * kLanes);
+      if (frame.cell_mask[cell] == 0 || place >= frame.used_entries[tile]) continue;
+      rows.push_back(frame.gradient_rows.data() + (frame.first_gradient[tile] + place) * Stride);
+      __builtin_prefetch(rows.back());
     }
+  }
+}
+
+template <int Stride>
+void sum_rows(const float* const* rows, std::size_t count, float* sum) {
+  Lanes total[Stride / kLanes] = {};
+  for (std::size_t row = 0; row < count; ++row) {
+    for (int i = 0; i < Stride / kLanes; ++i) total[i] += load(rows[row] + i * kLanes);
   }
   for (int i = 0; i < Stride / kLanes; ++i) store(sum + i * kLanes, total[i]);
 }
@@ -172,17 +177,30 @@ void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGra
   frame.gradient_rows.resize(frame.first_gradient[frame.tiles()] * kResult);
   parallel_items(frame.tiles(),
                  [&](int tile) { tile_gradient<Width, Columns>(frame, tile, pass, image); });
-  const int parts = parts_for(frame.visible, kRanksPerPart);
-  parallel_parts(frame.visible, parts, [&](auto begin, auto end, int) {
-    for (std::int64_t rank = begin; rank < end; ++rank) {
-      alignas(64) float sum[kResult];
-      sum_cells<kResult>(frame, rank, sum);
-      const std::int64_t i = frame.order[rank].index;
-      add_splat_gradient(frame.rows.data() + rank * kRow, sum, i, opacities, result);
-      float* target = result.features + i * result.columns + pass.first;
-      for (int column = 0; column < columns; ++column) target[column] = sum[kMoments + column];
-    }
-  });
+  parallel_parts(
+      frame.visible, parts_for(frame.visible, kRanksPerPart), [&](auto begin, auto end, int) {
+        std::vector<const float*> rows;
+        for (std::int64_t first = begin; first < end; first += kRanksAhead) {
+          const std::int64_t last = std::min<std::int64_t>(first + kRanksAhead, end);
+          std::size_t ends[kRanksAhead + 1] = {};
+          rows.clear();
+          for (std::int64_t rank = first; rank < last; ++rank) {
+            list_rows<kResult>(frame, rank, rows);
+            ends[rank - first + 1] = rows.size();
+          }
+          for (std::int64_t rank = first; rank < last; ++rank) {
+            alignas(64) float sum[kResult];
+            const std::size_t start = ends[rank - first];
+            sum_rows<kResult>(rows.data() + start, ends[rank - first + 1] - start, sum);
+            const std::int64_t i = frame.order[rank].index;
+            add_splat_gradient(frame.rows.data() + rank * kRow, sum, i, opacities, result);
+            float* target = result.features + i * result.columns + pass.first;
+            for (int column = 0; column < columns; ++column) {
+              target[column] = sum[kMoments + column];
+            }
+          }
+        }
+      });
 }
 
 }  // namespace
