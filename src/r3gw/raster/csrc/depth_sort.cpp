@@ -17,7 +17,7 @@ namespace {
 constexpr int kDigitBits = 11;
 constexpr int kDigits = 1 << kDigitBits;
 constexpr int kKeyBits = 32;
-constexpr std::int64_t kItemsPerPart = 8192;
+constexpr std::int64_t kItemsPerPart = 65536;
 
 using Histogram = std::array<std::int64_t, kDigits>;
 

@@ -13,8 +13,8 @@
 namespace r3gw {
 namespace {
 
-constexpr std::int64_t kRanksPerPart = 2048;
-constexpr std::int64_t kTilesPerPart = 1024;
+constexpr std::int64_t kRanksPerPart = 8192;
+constexpr std::int64_t kTilesPerPart = 16384;
 
 // Relative and absolute slack of the block test, so that rounding never drops a visible pixel.
 constexpr float kSlackFactor = 1.0001f, kSlack = 1e-3f;
