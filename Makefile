@@ -5,7 +5,7 @@ CORES ?= 2
 BIN := .venv/bin
 SOURCES := pyproject.toml setup.py $(wildcard src/r3gw/*/csrc/*)
 
-.PHONY: all ablations test lint clean
+.PHONY: all ablations test lint sanitize clean
 
 all: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) all
@@ -22,6 +22,19 @@ lint: .venv/installed-test
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow
 
+# The kernels' tests under the address and undefined-behaviour sanitizers, in a copy of the package.
+SANITIZED := build/sanitize
+sanitize: .venv/installed-test
+	R3GW_SANITIZE=1 $(BIN)/python setup.py -q build_ext \
+		--build-temp $(SANITIZED)/temp --build-lib $(SANITIZED)/lib
+	rm -rf $(SANITIZED)/package && mkdir -p $(SANITIZED)/package
+	cp -r src/r3gw $(SANITIZED)/package/
+	cp $(SANITIZED)/lib/r3gw/_C.*.so $(SANITIZED)/package/r3gw/
+	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libubsan.so)" \
+	ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
+	PYTHONPATH=$(SANITIZED)/package $(BIN)/python -m pytest -p no:cacheprovider \
+		tests/raster tests/losses/test_ssim.py tests/shading/test_fused.py
+
 .venv/bin/python:
 	$(PYTHON) -m venv .venv
 
@@ -32,8 +45,11 @@ lint: .venv/installed-test
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-build-isolation --editable .
 	touch $@
 
+# The test extra alone: asking pip for '.[test]' would compile the extension a second time.
 .venv/installed-test: .venv/installed
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-build-isolation --editable '.[test]'
+	$(BIN)/pip install --quiet --disable-pip-version-check $$($(BIN)/python -c "import tomllib; \
+		project = tomllib.load(open('pyproject.toml', 'rb'))['project']; \
+		print(*project['optional-dependencies']['test'])")
 	touch $@
 
 clean:

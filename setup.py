@@ -15,7 +15,7 @@ from torch.utils.cpp_extension import BuildExtension, CppExtension
 compiler = os.environ.get("CXX", "c++").split()[0]
 if shutil.which(compiler) is None:
     sys.exit(
-        f"r3gw needs a C++17 compiler, and '{compiler}' is not on the PATH: install one "
+        f"r3gw needs a C++20 compiler, and '{compiler}' is not on the PATH: install one "
         "(Debian, Ubuntu: apt-get install g++; conda: conda install gxx) or set CXX."
     )
 
