@@ -96,7 +96,9 @@ def test_interrupted_run_continues_to_the_same_bytes(settings, photos, initial, 
     assert checkpoints.restore(first_state(second)).iteration == 50
     continued, history = train(second, photos, checkpoints)
     save_model(continued, tmp_path / "continued/model.pt")
-    assert (tmp_path / "whole/model.pt").read_bytes() == (tmp_path / "continued/model.pt").read_bytes()
+    assert (tmp_path / "whole/model.pt").read_bytes() == (
+        tmp_path / "continued/model.pt"
+    ).read_bytes()
     assert [row["iteration"] for row in history.rows] == list(range(1, 81))
     checkpoints.discard()
     assert not list(tmp_path.glob(".checkpoint*"))

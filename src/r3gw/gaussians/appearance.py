@@ -10,7 +10,6 @@ from r3gw.gaussians.sky import SKY_DEGREE
 from r3gw.lighting import sh
 from r3gw.settings.train import ModelSettings
 
-
 # Factor on the last layers' first weights: all photos start with nearly the same, uniform light.
 FIRST_VARIATION = 0.1
 
