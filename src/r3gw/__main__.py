@@ -23,7 +23,9 @@ def cli() -> None:
 
     Each stage reads and writes files; `snakemake --cores 2 all` runs them in order.
     """
-    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
+    # Libraries only warn: fontTools alone writes hundreds of INFO lines per figure.
+    logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)
+    logging.getLogger("r3gw").setLevel(logging.INFO)
 
 
 @cli.command()

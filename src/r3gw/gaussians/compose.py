@@ -17,7 +17,7 @@ from r3gw.imaging.colour import display_from_linear
 from r3gw.raster import rasterize
 from r3gw.shading.fused import shade
 
-COLOUR, DEPTH, NORMAL, FOREGROUND, SKY = slice(0, 3), 3, slice(4, 7), 7, 8
+CHANNELS = (3, 1, 3, 1, 1)
 NUM_COLOUR_GRADIENTS = 7
 SMALLEST_ALPHA = 1e-6
 
@@ -124,14 +124,15 @@ def render_features(
         camera.height,
         num_feature_gradients=NUM_COLOUR_GRADIENTS,
     )
-    out = result.features
+    # One split: five slices would each fill a whole picture of zeros in the backward pass.
+    colour, depth, normal, foreground, sky = result.features.split(CHANNELS, dim=-1)
     return Rendering(
-        out[..., COLOUR],
+        colour,
         result.alpha,
-        out[..., DEPTH] / result.alpha.clamp_min(SMALLEST_ALPHA),
-        out[..., NORMAL],
-        out[..., FOREGROUND],
-        out[..., SKY],
+        depth.squeeze(-1) / result.alpha.clamp_min(SMALLEST_ALPHA),
+        normal,
+        foreground.squeeze(-1),
+        sky.squeeze(-1),
         result.radii_px,
         result.means2d,
         depths,

@@ -48,7 +48,7 @@ def view_grid(scene: Scene, runs: Sequence[Evaluated]) -> Figure:
         if photo is not None:
             rows.append([Cell(photo), *cells])
             names.append(view.name)
-    titles = [f"{run.label}, {PROTOCOL_TITLES[protocol]}" for run, protocol in columns]
+    titles = [f"{run.label}\n{PROTOCOL_TITLES[protocol]}" for run, protocol in columns]
     return picture_grid(rows, ["photo", *titles], names)
 
 

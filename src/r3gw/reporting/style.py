@@ -99,7 +99,9 @@ def picture_grid(
         top = bottom - gap
     for column, title in enumerate(column_titles):
         left = MARGIN_IN + column * (cell_width_in + gap) + cell_width_in / 2
-        figure.text(left / width, 1 - 0.2 / height, title, ha="center", va="center")
+        figure.text(
+            left / width, 1 - 0.16 / height, title, ha="center", va="center", linespacing=0.95
+        )
     return figure
 
 
