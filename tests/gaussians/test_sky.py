@@ -117,3 +117,14 @@ def test_initial_file_round_trip(tmp_path):
 def test_no_points_is_a_clear_error():
     with pytest.raises(InputError, match="no points"):
         initial_points(torch.zeros(0, 3), [looking(0.0)], SKY, seed=0)
+
+
+def test_sky_colours_are_display_values_in_the_direction_of_the_look():
+    """A light that grows upwards: bright overhead, dark at the horizon, never outside [0, 1]."""
+    sky = make_sky()
+    light = torch.zeros(4, 3)
+    light[1] = -1.0 / 0.48860251  # -y is up: radiance = height of the look
+    colours = sky.colours(light, sky.centre).detach()
+    height = torch.cos(sky.rows["angles"].detach()[:, 0])
+    expected = (height + 0.5).clamp(0, 1)[:, None].expand(-1, 3)
+    torch.testing.assert_close(colours, expected, rtol=0, atol=1e-4)
