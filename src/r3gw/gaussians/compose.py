@@ -125,7 +125,7 @@ def render_features(
         num_feature_gradients=NUM_COLOUR_GRADIENTS,
     )
     # One split: five slices would each fill a whole picture of zeros in the backward pass.
-    colour, depth, normal, foreground, sky = result.features.split(CHANNELS, dim=-1)
+    colour, depth, normal, foreground, sky = torch.split(result.features, list(CHANNELS), dim=-1)
     return Rendering(
         colour,
         result.alpha,
