@@ -119,6 +119,13 @@ def test_model_file_keeps_the_picture(model, camera, tmp_path):
     torch.testing.assert_close(after, before, rtol=0, atol=0)
 
 
+def test_model_file_does_not_depend_on_its_name(model, tmp_path):
+    """The temporary name holds the process id; it must not reach the bytes."""
+    save_model(model, tmp_path / "one.pt")
+    save_model(model, tmp_path / "another.pt")
+    assert (tmp_path / "one.pt").read_bytes() == (tmp_path / "another.pt").read_bytes()
+
+
 def test_missing_model_is_a_clear_error(tmp_path):
     with pytest.raises(InputError, match=r"model\.pt: no such model; train the scene first"):
         load_model(tmp_path / "model.pt")

@@ -75,8 +75,9 @@ def model_content(model: SceneModel) -> dict[str, Any]:
 
 def save_model(model: SceneModel, path: Path) -> None:
     """Write the model atomically."""
-    with atomic_path(path) as temporary:
-        torch.save(model_content(model), temporary)
+    # A stream, because torch writes the name of a path, here a temporary one, into the file.
+    with atomic_path(path) as temporary, temporary.open("wb") as stream:
+        torch.save(model_content(model), stream)
 
 
 def load_model(path: Path) -> SceneModel:
