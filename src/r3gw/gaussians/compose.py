@@ -17,7 +17,7 @@ from r3gw.imaging.colour import display_from_linear
 from r3gw.raster import rasterize
 from r3gw.shading.fused import shade
 
-CHANNELS = (3, 1, 3, 1, 1)
+CHANNELS = [3, 1, 3, 1, 1]
 NUM_COLOUR_GRADIENTS = 7
 SMALLEST_ALPHA = 1e-6
 
@@ -125,7 +125,7 @@ def render_features(
         num_feature_gradients=NUM_COLOUR_GRADIENTS,
     )
     # One split: five slices would each fill a whole picture of zeros in the backward pass.
-    colour, depth, normal, foreground, sky = torch.split(result.features, list(CHANNELS), dim=-1)
+    colour, depth, normal, foreground, sky = torch.split(result.features, CHANNELS, dim=-1)
     return Rendering(
         colour,
         result.alpha,
