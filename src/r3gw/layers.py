@@ -12,4 +12,5 @@ LAYERS = (
     ("training",),
     ("evaluation",),
     ("reporting",),
+    ("cli",),
 )

@@ -1,0 +1,74 @@
+"""Commands that make and check data: from a dataset or photos to masks and initial points."""
+
+from pathlib import Path
+from typing import Literal
+
+import click
+
+from r3gw.cli.group import FILE, FOLDER, THREADS, cli, json_object
+from r3gw.settings.validation import validated
+
+
+@cli.command()
+@click.option("--entry", required=True, help="The scene's config entry as JSON.")
+@click.option("--target", type=FOLDER, required=True, help="Folder to write (layout A).")
+def generate(entry: str, target: Path) -> None:
+    """Render a scene of the embedded benchmark: photos, masks, SfM model, ground truth."""
+    from r3gw.settings import SyntheticScene
+    from r3gw.synthetic import generate as run
+
+    scene = validated(SyntheticScene, json_object(entry, "--entry"), "--entry")
+    run(
+        scene.building,
+        scene.seed,
+        target,
+        size_px=(scene.width_px, scene.height_px),
+        train_views=scene.train_views,
+        test_views=scene.test_views,
+        samples=scene.samples,
+    )
+
+
+@cli.command("import")
+@click.option("--scene", required=True, help="Name of the scene.")
+@click.option("--entry", required=True, help="The scene's config entry as JSON.")
+@click.option("--source", type=FOLDER, required=True, help="Dataset folder or folder of photos.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the imported scene.")
+@THREADS
+def import_scene(scene: str, entry: str, source: Path, target: Path, threads: int) -> None:
+    """Import a dataset, or reconstruct a folder of photos, into one scene format."""
+    from r3gw.settings.config import parse_scene
+    from r3gw.sfm import import_scene as run
+
+    settings = parse_scene(json_object(entry, "--entry"), f"scene '{scene}'")
+    run(scene, settings, source, target, num_threads=threads)
+
+
+@cli.command()
+@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the masks.")
+@click.option(
+    "--sky",
+    type=click.Choice(["given", "classical", "given-or-classical"]),
+    required=True,
+    help="Where sky masks come from.",
+)
+def masks(
+    scene: Path, target: Path, sky: Literal["given", "classical", "given-or-classical"]
+) -> None:
+    """Check given masks and make missing ones."""
+    from r3gw.masks import make_masks
+
+    make_masks(scene, target, sky=sky)
+
+
+@cli.command()
+@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--sky", required=True, help="Settings of the sky's initial points as JSON.")
+@click.option("--target", type=FILE, required=True, help="initial.npz to write.")
+def initialise(scene: Path, sky: str, target: Path) -> None:
+    """Place the initial foreground points and the sky hemisphere."""
+    from r3gw.gaussians.stage import run_initialise
+    from r3gw.settings.train import SkySettings
+
+    run_initialise(scene, validated(SkySettings, json_object(sky, "--sky"), "--sky"), target)

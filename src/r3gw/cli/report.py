@@ -1,0 +1,37 @@
+"""Commands over many runs: tables and figures."""
+
+from pathlib import Path
+
+import click
+
+from r3gw.cli.group import FILE, FOLDER, cli
+
+
+@cli.command()
+@click.option("--kind", type=click.Choice(["table1", "ablations"]), required=True)
+@click.option("--published", type=FILE, help="Published figures to show beside ours.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the tables.")
+@click.argument("metrics", nargs=-1, required=True, type=FILE)
+def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path, ...]) -> None:
+    """Make tables from the metrics.json files of any number of runs."""
+    from r3gw.reporting import tables as make
+
+    if kind == "table1":
+        make.runs_table(metrics, target / "runs.csv")
+        make.decomposition(metrics, target / "decomposition.csv")
+        make.table1(metrics, published, target / "table1.csv")
+    else:
+        make.runs_table(metrics, target / "ablation_runs.csv")
+        make.ablations(metrics, target / "ablations.csv")
+
+
+@cli.command()
+@click.option("--name", required=True, help="Scene name, the beginning of the files' names.")
+@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the figures.")
+@click.argument("runs", nargs=-1, required=True, type=FOLDER)
+def figures(name: str, scene: Path, target: Path, runs: tuple[Path, ...]) -> None:
+    """Draw the figures of a scene from its evaluated runs; the first run is the main one."""
+    from r3gw.reporting.figures import scene_figures
+
+    scene_figures(name, scene, runs, target)

@@ -1,0 +1,47 @@
+"""Commands about one run: training it and scoring it."""
+
+from pathlib import Path
+
+import click
+
+from r3gw.cli.group import FILE, FOLDER, THREADS, cli
+
+
+@cli.command()
+@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
+@click.option("--initial", type=FILE, required=True, help="initial.npz")
+@click.option("--settings", type=FILE, required=True, help="Resolved settings (JSON).")
+@click.option("--name", required=True, help="Scene name, for the record.")
+@click.option("--variant", required=True, help="Variant name, for the record.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the run.")
+@THREADS
+def train(
+    scene: Path,
+    masks: Path,
+    initial: Path,
+    settings: Path,
+    name: str,
+    variant: str,
+    target: Path,
+    threads: int,
+) -> None:
+    """Train one variant on one scene; writes model.pt, history.csv and run.json."""
+    from r3gw.training.run import run_training
+
+    run_training(
+        scene, masks, initial, settings, target, scene=name, variant=variant, num_threads=threads
+    )
+
+
+@cli.command()
+@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
+@click.option("--model", type=FILE, required=True, help="model.pt of the run.")
+@click.option("--target", type=FOLDER, required=True, help="Folder of the evaluation.")
+@THREADS
+def evaluate(scene: Path, masks: Path, model: Path, target: Path, threads: int) -> None:
+    """Score a trained model under every protocol and draw its pictures."""
+    from r3gw.evaluation.evaluate import evaluate_run
+
+    evaluate_run(scene, masks, model, target, num_threads=threads)
