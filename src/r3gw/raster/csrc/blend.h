@@ -59,21 +59,29 @@ struct TileWindow {
         width(frame.width - left < kTileSize ? frame.width - left : kTileSize),
         height(frame.height - top < kTileSize ? frame.height - top : kTileSize) {}
 
-  // Calls visit(lane, pixel index) for the pixels of a block that lie in the image.
+  // Calls visit(first lane, first pixel, count) for the rows of a block that lie in the image; most
+  // rows are whole, and for them `count` is a constant.
   template <class Visit>
-  R3GW_INLINE void for_pixels(int image_width, int block, const Visit& visit) const {
+  R3GW_INLINE void for_rows(int image_width, int block, const Visit& visit) const {
     const int x0 = block % kTileBlocks * kBlockSize, y0 = block / kTileBlocks * kBlockSize;
-    for (int y = 0; y < kBlockSize; ++y) {
-      if (y0 + y >= height) return;
+    const int count = width - x0;
+    if (count <= 0) return;
+    for (int y = 0; y < kBlockSize && y0 + y < height; ++y) {
       const std::int64_t row = static_cast<std::int64_t>(top + y0 + y) * image_width + left + x0;
-      for (int x = 0; x < kBlockSize && x0 + x < width; ++x) visit(y * kBlockSize + x, row + x);
+      if (count >= kBlockSize) {
+        visit(y * kBlockSize, row, kBlockSize);
+      } else {
+        visit(y * kBlockSize, row, count);
+      }
     }
   }
 
   // One where the pixel lies in the image, else zero: the transmittance to start from.
   Lanes inside(int block) const {
     Lanes result{};
-    for_pixels(0, block, [&](int lane, std::int64_t) { result[lane] = 1.0f; });
+    for_rows(0, block, [&](int lane, std::int64_t, int count) {
+      for (int x = 0; x < count; ++x) result[lane + x] = 1.0f;
+    });
     return result;
   }
 };

@@ -36,29 +36,34 @@ struct BlockState {
 template <int Width>
 bool load_block(const Frame& frame, const ChannelPass& pass, const ImageGradient& image,
                 const TileWindow& window, int block, BlockState<Width>& state) {
-  alignas(64) float gradient[Width][kLanes] = {};
-  alignas(64) float behind[kLanes] = {};
-  bool any = false;
-  window.for_pixels(frame.width, block, [&](int lane, std::int64_t pixel) {
-    const float* v = image.features + pixel * pass.channels + pass.first;
-    const float* drawn = image.features_drawn + pixel * pass.channels + pass.first;
-    float sum = 0.0f;
-    for (int c = 0; c < Width; ++c) {
-      if (c >= pass.used) break;
-      gradient[c][lane] = v[c];
-      sum += v[c] * drawn[c];
-      any |= v[c] != 0.0f;
-    }
-    if (image.alpha != nullptr) {
-      sum -= image.alpha[pixel] * (1.0f - image.alpha_drawn[pixel]);
-      any |= image.alpha[pixel] != 0.0f;
-    }
-    behind[lane] = sum;
-  });
+  const std::int64_t plane = frame.pixels(), offset = pass.first * plane;
+  const auto load_plane = [&](const float* source) {
+    alignas(64) float values[kLanes] = {};
+    window.for_rows(frame.width, block, [&](int lane, std::int64_t pixel, int count) {
+      std::copy_n(source + pixel, count, values + lane);
+    });
+    return load(values);
+  };
+  IntLanes any{};
   state.transmittance = window.inside(block);
-  state.behind = load(behind);
-  for (int c = 0; c < Width; ++c) state.gradient[c] = load(gradient[c]);
-  return any;
+  state.behind = Lanes{};
+  for (int c = 0; c < Width; ++c) {
+    if (c >= pass.used) {
+      state.gradient[c] = Lanes{};
+      continue;
+    }
+    const Lanes v = load_plane(image.features + offset + c * plane);
+    const Lanes drawn = load_plane(image.features_drawn + offset + c * plane);
+    state.gradient[c] = v;
+    state.behind = fma(v, drawn, state.behind);
+    any |= v != 0.0f;
+  }
+  if (image.alpha != nullptr) {
+    const Lanes v = load_plane(image.alpha);
+    state.behind = minus_product(state.behind, v, 1.0f - load_plane(image.alpha_drawn));
+    any |= v != 0.0f;
+  }
+  return bits(bit_set(any, any)) != 0;
 }
 
 // Moments and the first `Columns` feature gradients of one entry over the blocks of `mask`.
@@ -194,7 +199,7 @@ void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGra
             sum_rows<kResult>(rows.data() + start, ends[rank - first + 1] - start, sum);
             const std::int64_t i = frame.order[rank].index;
             add_splat_gradient(frame.rows.data() + rank * kRow, sum, i, opacities, result);
-            float* target = result.features + i * result.columns + pass.first;
+            float* target = result.features + i * pass.channels + pass.first;
             for (int column = 0; column < columns; ++column) {
               target[column] = sum[kMoments + column];
             }
@@ -232,10 +237,14 @@ void background_gradient(std::int64_t rows, std::int64_t columns, int channels,
                          const ImageGradient& image, float* result) {
   std::vector<float> row_sums(rows * channels, 0.0f);
   parallel_parts(rows, parts_for(rows, kImageRowsPerPart), [&](auto begin, auto end, int) {
-    for (std::int64_t pixel = begin * columns; pixel < end * columns; ++pixel) {
-      const float passed = 1.0f - image.alpha_drawn[pixel];
-      float* sum = row_sums.data() + pixel / columns * channels;
-      for (int c = 0; c < channels; ++c) sum[c] += passed * image.features[pixel * channels + c];
+    for (std::int64_t row = begin; row < end; ++row) {
+      for (int c = 0; c < channels; ++c) {
+        const float* v = image.features + (c * rows + row) * columns;
+        const float* covered = image.alpha_drawn + row * columns;
+        float sum = 0.0f;
+        for (std::int64_t x = 0; x < columns; ++x) sum += (1.0f - covered[x]) * v[x];
+        row_sums[row * channels + c] = sum;
+      }
     }
   });
   std::fill_n(result, channels, 0.0f);

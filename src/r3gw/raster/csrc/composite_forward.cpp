@@ -93,11 +93,12 @@ void write_block(const Frame& frame, const ChannelPass& pass, const TileWindow& 
   }
   alignas(64) float covered[kLanes];
   store(covered, 1.0f - state.transmittance);
-  window.for_pixels(frame.width, block, [&](int lane, std::int64_t pixel) {
-    alpha[pixel] = covered[lane];
-    float* target = features + pixel * pass.channels + pass.first;
+  const std::int64_t plane = frame.pixels();
+  window.for_rows(frame.width, block, [&](int lane, std::int64_t pixel, int count) {
+    std::copy_n(covered + lane, count, alpha + pixel);
+    float* target = features + pass.first * plane + pixel;
     for (int c = 0; c < Width; ++c) {
-      if (c < pass.used) target[c] = colours[c][lane];
+      if (c < pass.used) std::copy_n(colours[c] + lane, count, target + c * plane);
     }
   });
 }

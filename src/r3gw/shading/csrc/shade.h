@@ -1,17 +1,13 @@
-// Diffuse and split-sum specular shading under SH light, forward and backward, sixteen Gaussians at
-// a time; r3gw.shading.cook_torrance is the plain form and says which equations these are.
-#include <ATen/ATen.h>
-#include <torch/library.h>
+// Diffuse and split-sum specular shading under SH light with its gradient, sixteen Gaussians at a
+// time; r3gw.shading.cook_torrance is the plain form and says which equations these are.
+#pragma once
 
 #include <algorithm>
-#include <tuple>
-#include <vector>
 
-#include "raster/csrc/parallel.h"
+#include "raster/csrc/rows.h"
 #include "shading/csrc/sh_basis.h"
 
 namespace r3gw {
-namespace {
 
 constexpr float kPi = 3.14159265f;
 constexpr float kCosineBands[] = {kPi, 2.0f * kPi / 3.0f, kPi / 4.0f};
@@ -20,32 +16,12 @@ constexpr float kF0 = 0.04f;
 constexpr float kSmallestCosine = 1e-4f;
 constexpr int kTableSize = 256;
 constexpr int kDiffuseDegree = 2;
-constexpr std::int64_t kGroupsPerPart = 64, kGroupsPerSum = 128;
 
 struct Surface {
   Lanes normal[3], to_camera[3], albedo[3], roughness;
 };
 
-template <int Columns>
-void load_rows(const float* source, std::int64_t first, int count, Lanes (&columns)[Columns]) {
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const float* row = source + (first + std::min(lane, count - 1)) * Columns;
-    for (int column = 0; column < Columns; ++column) columns[column][lane] = row[column];
-  }
-}
-
-template <int Columns>
-void store_rows(float* target, std::int64_t first, int count, const Lanes (&columns)[Columns]) {
-  for (int lane = 0; lane < count; ++lane) {
-    for (int c = 0; c < Columns; ++c) target[(first + lane) * Columns + c] = columns[c][lane];
-  }
-}
-
-Lanes dot(const Lanes (&a)[3], const Lanes (&b)[3]) {
-  return fma(a[0], b[0], fma(a[1], b[1], a[2] * b[2]));
-}
-
-Lanes if_at_least(Lanes value, float bound, Lanes then) {
+inline Lanes if_at_least(Lanes value, float bound, Lanes then) {
   return keep(greater_equal(value, splat(bound)), then);
 }
 
@@ -64,7 +40,7 @@ struct Reflectance {
   Lanes value, by_cosine, by_roughness;
 };
 
-Reflectance reflectance(const float* table, Lanes cosine, Lanes roughness) {
+inline Reflectance reflectance(const float* table, Lanes cosine, Lanes roughness) {
   const Lanes held_cosine = clamp(cosine, splat(kSmallestCosine), splat(1.0f));
   const Lanes root = square_root(held_cosine);
   const Lanes row = root * (kTableSize - 1.0f);
@@ -137,11 +113,11 @@ struct Lamp {
   const float* table;  // [256,256,2]; null: no specular
 };
 
-void reflect(const Surface& s, Lanes cosine, Lanes (&reflected)[3]) {
+inline void reflect(const Surface& s, Lanes cosine, Lanes (&reflected)[3]) {
   for (int i = 0; i < 3; ++i) reflected[i] = 2.0f * cosine * s.normal[i] - s.to_camera[i];
 }
 
-void cosine_bands(Lanes (&weights)[kDiffuseDegree + 1]) {
+inline void cosine_bands(Lanes (&weights)[kDiffuseDegree + 1]) {
   for (int l = 0; l <= kDiffuseDegree; ++l) weights[l] = splat(kCosineBands[l]);
 }
 
@@ -212,119 +188,6 @@ SurfaceGradient shade_backward(const Surface& s, const Lamp& lamp, const Lanes (
                             unused);
   if (lamp.table != nullptr) specular_backward<Degree>(s, lamp, gradient, result, light_sums);
   return result;
-}
-
-struct Inputs {
-  const float *normals, *to_camera, *albedo, *roughness;
-  std::int64_t count;
-  std::int64_t groups() const { return (count + kLanes - 1) / kLanes; }
-  int lanes(std::int64_t group) const {
-    return static_cast<int>(std::min<std::int64_t>(kLanes, count - group * kLanes));
-  }
-  Surface surface(std::int64_t group) const {
-    Surface s;
-    Lanes roughness_column[1];
-    load_rows(normals, group * kLanes, lanes(group), s.normal);
-    load_rows(to_camera, group * kLanes, lanes(group), s.to_camera);
-    load_rows(albedo, group * kLanes, lanes(group), s.albedo);
-    load_rows(roughness, group * kLanes, lanes(group), roughness_column);
-    s.roughness = roughness_column[0];
-    return s;
-  }
-};
-
-template <int Degree>
-void shade_all(const Inputs& inputs, const Lamp& lamp, float* colours) {
-  parallel_parts(inputs.groups(), parts_for(inputs.groups(), kGroupsPerPart),
-                 [&](auto begin, auto end, int) {
-                   for (std::int64_t group = begin; group < end; ++group) {
-                     Lanes colour[3];
-                     shade<Degree>(inputs.surface(group), lamp, colour);
-                     store_rows(colours, group * kLanes, inputs.lanes(group), colour);
-                   }
-                 });
-}
-
-struct Outputs {
-  float *normals, *albedo, *roughness, *light;
-};
-
-// The light's gradient is summed over fixed runs of Gaussians, and the runs in order, so that it
-// does not depend on the number of threads.
-template <int Degree>
-void shade_all_backward(const Inputs& inputs, const Lamp& lamp, const float* gradient,
-                        const Outputs& outputs) {
-  constexpr int kNumbers = 3 * sh_count(Degree);
-  const auto runs = static_cast<int>((inputs.groups() + kGroupsPerSum - 1) / kGroupsPerSum);
-  std::vector<float> run_sums(static_cast<std::size_t>(runs) * kNumbers);
-  parallel_items(runs, [&](int run) {
-    LightSums<Degree> sums = {};
-    const std::int64_t begin = run * kGroupsPerSum;
-    const std::int64_t end = std::min(begin + kGroupsPerSum, inputs.groups());
-    for (std::int64_t group = begin; group < end; ++group) {
-      const std::int64_t first = group * kLanes;
-      const int lanes = inputs.lanes(group);
-      Lanes incoming[3];
-      load_rows(gradient, first, lanes, incoming);
-      for (Lanes& channel : incoming) {
-        for (int lane = lanes; lane < kLanes; ++lane) channel[lane] = 0.0f;
-      }
-      const SurfaceGradient result =
-          shade_backward<Degree>(inputs.surface(group), lamp, incoming, sums);
-      const Lanes roughness_column[1] = {result.roughness};
-      store_rows(outputs.normals, first, lanes, result.normal);
-      store_rows(outputs.albedo, first, lanes, result.albedo);
-      store_rows(outputs.roughness, first, lanes, roughness_column);
-    }
-    for (int i = 0; i < kNumbers; ++i) {
-      float total = 0.0f;
-      for (int lane = 0; lane < kLanes; ++lane) total += sums[i / 3][i % 3][lane];
-      run_sums[static_cast<std::size_t>(run) * kNumbers + i] = total;
-    }
-  });
-  std::fill_n(outputs.light, kNumbers, 0.0f);
-  for (std::size_t i = 0; i < run_sums.size(); ++i) outputs.light[i % kNumbers] += run_sums[i];
-}
-
-Inputs inputs_from(const at::Tensor& normals, const at::Tensor& to_camera, const at::Tensor& albedo,
-                   const at::Tensor& roughness) {
-  return {normals.const_data_ptr<float>(), to_camera.const_data_ptr<float>(),
-          albedo.const_data_ptr<float>(), roughness.const_data_ptr<float>(), normals.size(0)};
-}
-
-Lamp lamp_from(const at::Tensor& light, const std::optional<at::Tensor>& table) {
-  return {light.const_data_ptr<float>(), table ? table->const_data_ptr<float>() : nullptr};
-}
-
-at::Tensor shade_op(const at::Tensor& normals, const at::Tensor& to_camera,
-                    const at::Tensor& albedo, const at::Tensor& roughness, const at::Tensor& light,
-                    const std::optional<at::Tensor>& table) {
-  at::Tensor colours = at::empty_like(albedo);
-  const auto run = light.size(0) == sh_count(2) ? shade_all<2> : shade_all<4>;
-  run(inputs_from(normals, to_camera, albedo, roughness), lamp_from(light, table),
-      colours.data_ptr<float>());
-  return colours;
-}
-
-std::tuple<at::Tensor, at::Tensor, at::Tensor, at::Tensor> shade_backward_op(
-    const at::Tensor& gradient, const at::Tensor& normals, const at::Tensor& to_camera,
-    const at::Tensor& albedo, const at::Tensor& roughness, const at::Tensor& light,
-    const std::optional<at::Tensor>& table) {
-  at::Tensor to_normals = at::empty_like(normals), to_albedo = at::empty_like(albedo);
-  at::Tensor to_roughness = at::empty_like(roughness), to_light = at::empty_like(light);
-  const auto run = light.size(0) == sh_count(2) ? shade_all_backward<2> : shade_all_backward<4>;
-  run(inputs_from(normals, to_camera, albedo, roughness), lamp_from(light, table),
-      gradient.const_data_ptr<float>(),
-      {to_normals.data_ptr<float>(), to_albedo.data_ptr<float>(), to_roughness.data_ptr<float>(),
-       to_light.data_ptr<float>()});
-  return {to_normals, to_albedo, to_roughness, to_light};
-}
-
-}  // namespace
-
-TORCH_LIBRARY_FRAGMENT(r3gw, library) {
-  library.def("shade", &shade_op);
-  library.def("shade_backward", &shade_backward_op);
 }
 
 }  // namespace r3gw
