@@ -6,6 +6,7 @@
 
 #include "raster/csrc/parallel.h"
 #include "raster/csrc/simd.h"
+#include "raster/csrc/transpose.h"
 
 namespace r3gw {
 
@@ -14,6 +15,9 @@ namespace r3gw {
 template <int Columns>
 R3GW_INLINE void load_rows(const float* source, std::int64_t first, int count,
                            Lanes (&columns)[Columns]) {
+  if (kPermutesAreCheap && count == kLanes) {
+    return load_transposed(source + first * Columns, columns);
+  }
   for (int lane = 0; lane < kLanes; ++lane) {
     const float* row = source + (first + std::min(lane, count - 1)) * Columns;
     for (int column = 0; column < Columns; ++column) columns[column][lane] = row[column];
@@ -23,6 +27,9 @@ R3GW_INLINE void load_rows(const float* source, std::int64_t first, int count,
 template <int Columns>
 R3GW_INLINE void store_rows(float* target, std::int64_t first, int count,
                             const Lanes (&columns)[Columns]) {
+  if (kPermutesAreCheap && count == kLanes) {
+    return store_transposed(target + first * Columns, columns);
+  }
   for (int lane = 0; lane < count; ++lane) {
     float* row = target + (first + lane) * Columns;
     for (int column = 0; column < Columns; ++column) row[column] = columns[column][lane];
@@ -38,6 +45,7 @@ R3GW_INLINE Lanes load_row(const float* source, std::int64_t first, int count) {
 }
 
 R3GW_INLINE void store_row(float* target, std::int64_t first, int count, Lanes column) {
+  if (count == kLanes) return store(target + first, column);
   for (int lane = 0; lane < count; ++lane) target[first + lane] = column[lane];
 }
 
