@@ -2,6 +2,8 @@
 // therefore agree in every bit of alpha and transmittance.
 #pragma once
 
+#include <cstring>
+
 #include "raster/csrc/frame.h"
 #include "raster/csrc/semantics.h"
 #include "raster/csrc/simd.h"
@@ -59,30 +61,60 @@ struct TileWindow {
         width(frame.width - left < kTileSize ? frame.width - left : kTileSize),
         height(frame.height - top < kTileSize ? frame.height - top : kTileSize) {}
 
-  // Calls visit(first lane, first pixel, count) for the rows of a block that lie in the image; most
-  // rows are whole, and for them `count` is a constant.
+  bool has_whole(int block) const {
+    return width >= left_of(block) + kBlockSize && height >= top_of(block) + kBlockSize;
+  }
+
+  // Calls visit(lane, pixel index) for the pixels of a block that lie in the image.
   template <class Visit>
-  R3GW_INLINE void for_rows(int image_width, int block, const Visit& visit) const {
-    const int x0 = block % kTileBlocks * kBlockSize, y0 = block / kTileBlocks * kBlockSize;
-    const int count = width - x0;
-    if (count <= 0) return;
-    for (int y = 0; y < kBlockSize && y0 + y < height; ++y) {
-      const std::int64_t row = static_cast<std::int64_t>(top + y0 + y) * image_width + left + x0;
-      if (count >= kBlockSize) {
-        visit(y * kBlockSize, row, kBlockSize);
-      } else {
-        visit(y * kBlockSize, row, count);
+  void for_pixels(int image_width, int block, const Visit& visit) const {
+    for (int y = 0; y < kBlockSize && top_of(block) + y < height; ++y) {
+      for (int x = 0; x < kBlockSize && left_of(block) + x < width; ++x) {
+        visit(y * kBlockSize + x, first_pixel(image_width, block) + y * image_width + x);
       }
+    }
+  }
+
+  // The block's pixels of a plane [H,W], zero outside the image.
+  Lanes load_pixels(const float* plane, int image_width, int block) const {
+    alignas(64) float values[kLanes] = {};
+    if (has_whole(block)) {
+      const float* row = plane + first_pixel(image_width, block);
+      for (int y = 0; y < kBlockSize; ++y, row += image_width) {
+        std::memcpy(values + y * kBlockSize, row, kBlockSize * sizeof(float));
+      }
+    } else {
+      for_pixels(image_width, block, [&](int lane, auto pixel) { values[lane] = plane[pixel]; });
+    }
+    return load(values);
+  }
+
+  void store_pixels(float* plane, int image_width, int block, Lanes value) const {
+    alignas(64) float values[kLanes];
+    store(values, value);
+    if (has_whole(block)) {
+      float* row = plane + first_pixel(image_width, block);
+      for (int y = 0; y < kBlockSize; ++y, row += image_width) {
+        std::memcpy(row, values + y * kBlockSize, kBlockSize * sizeof(float));
+      }
+    } else {
+      for_pixels(image_width, block, [&](int lane, auto pixel) { plane[pixel] = values[lane]; });
     }
   }
 
   // One where the pixel lies in the image, else zero: the transmittance to start from.
   Lanes inside(int block) const {
+    if (has_whole(block)) return splat(1.0f);
     Lanes result{};
-    for_rows(0, block, [&](int lane, std::int64_t, int count) {
-      for (int x = 0; x < count; ++x) result[lane + x] = 1.0f;
-    });
+    for_pixels(0, block, [&](int lane, std::int64_t) { result[lane] = 1.0f; });
     return result;
+  }
+
+ private:
+  static int left_of(int block) { return block % kTileBlocks * kBlockSize; }
+  static int top_of(int block) { return block / kTileBlocks * kBlockSize; }
+  std::int64_t first_pixel(int image_width, int block) const {
+    return static_cast<std::int64_t>(top + top_of(block)) * image_width + left + left_of(block);
   }
 };
 

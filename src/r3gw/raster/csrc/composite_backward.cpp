@@ -38,11 +38,7 @@ bool load_block(const Frame& frame, const ChannelPass& pass, const ImageGradient
                 const TileWindow& window, int block, BlockState<Width>& state) {
   const std::int64_t plane = frame.pixels(), offset = pass.first * plane;
   const auto load_plane = [&](const float* source) {
-    alignas(64) float values[kLanes] = {};
-    window.for_rows(frame.width, block, [&](int lane, std::int64_t pixel, int count) {
-      std::copy_n(source + pixel, count, values + lane);
-    });
-    return load(values);
+    return window.load_pixels(source, frame.width, block);
   };
   IntLanes any{};
   state.transmittance = window.inside(block);
@@ -146,6 +142,14 @@ void list_rows(const Frame& frame, std::int64_t rank, std::vector<const float*>&
   }
 }
 
+// Starts fetching the places that one Gaussian's gradient is added to.
+void fetch_targets(const SplatGradient& result, std::int64_t i, int channels) {
+  __builtin_prefetch(result.means2d + 2 * i, 1);
+  __builtin_prefetch(result.factors + 3 * i, 1);
+  __builtin_prefetch(result.opacities + i, 1);
+  __builtin_prefetch(result.features + i * channels, 1);
+}
+
 template <int Stride>
 void sum_rows(const float* const* rows, std::size_t count, float* sum) {
   Lanes total[Stride / kLanes] = {};
@@ -190,6 +194,7 @@ void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGra
           std::size_t ends[kRanksAhead + 1] = {};
           rows.clear();
           for (std::int64_t rank = first; rank < last; ++rank) {
+            fetch_targets(result, frame.order[rank].index, pass.channels);
             list_rows<kResult>(frame, rank, rows);
             ends[rank - first + 1] = rows.size();
           }

@@ -86,21 +86,14 @@ template <int Width>
 void write_block(const Frame& frame, const ChannelPass& pass, const TileWindow& window, int block,
                  const BlockState<Width>& state, const float* background, float* features,
                  float* alpha) {
-  alignas(64) float colours[Width][kLanes];
-  for (int c = 0; c < Width; ++c) {
-    const float behind = background != nullptr && c < pass.used ? background[pass.first + c] : 0.0f;
-    store(colours[c], fma(state.transmittance, splat(behind), state.features[c]));
-  }
-  alignas(64) float covered[kLanes];
-  store(covered, 1.0f - state.transmittance);
   const std::int64_t plane = frame.pixels();
-  window.for_rows(frame.width, block, [&](int lane, std::int64_t pixel, int count) {
-    std::copy_n(covered + lane, count, alpha + pixel);
-    float* target = features + pass.first * plane + pixel;
-    for (int c = 0; c < Width; ++c) {
-      if (c < pass.used) std::copy_n(colours[c] + lane, count, target + c * plane);
-    }
-  });
+  for (int c = 0; c < Width; ++c) {
+    if (c >= pass.used) break;
+    const float behind = background != nullptr ? background[pass.first + c] : 0.0f;
+    window.store_pixels(features + (pass.first + c) * plane, frame.width, block,
+                        fma(state.transmittance, splat(behind), state.features[c]));
+  }
+  window.store_pixels(alpha, frame.width, block, 1.0f - state.transmittance);
 }
 
 template <int Width>
