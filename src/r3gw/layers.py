@@ -11,6 +11,9 @@ LAYERS = (
     ("losses",),
     ("training",),
     ("evaluation",),
+    ("splats",),
+    ("relighting",),
+    ("export",),
     ("reporting",),
     ("cli",),
 )
