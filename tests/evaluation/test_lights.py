@@ -1,4 +1,4 @@
-"""r3gw.evaluation.lights: maps are linear and turn the right way, learned lights are the network's."""
+"""r3gw.evaluation.lights: maps are linear and turn right, learned lights are the network's."""
 
 from math import pi
 

@@ -119,7 +119,7 @@ def test_the_panorama_is_the_map_turned_by_the_yaw() -> None:
 
 @pytest.mark.parametrize("yaw", [-2.0, 0.4, 3.0])
 def test_the_published_mapping_at_our_angle_meets_the_true_sun(yaw: float) -> None:
-    light = 0.3 + lights._splat(np.full(3, 50.0), CLEAR, HEIGHT)
+    light = 0.3 + daylight.splat(np.full(3, 50.0), CLEAR.sun, HEIGHT)
     panorama = lights.phone_panorama(light, yaw)
     bright = panorama.min(axis=-1) > 0.999
     angle = lights.published_sun_angle(CLEAR, lights.whole_pixel_yaw(yaw, HEIGHT))
