@@ -9,7 +9,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from r3gw.files import write_json
+from r3gw.files import InputError, write_json
 from r3gw.settings.validation import Strict, validated
 
 NAME = "lights.json"
@@ -65,7 +65,13 @@ def read_lights(folder: Path) -> Lights:
     path = folder / NAME
     if not path.is_file():
         return {}
-    content = validated(LightsFile, json.loads(path.read_text()), str(path))
+    try:
+        values = json.loads(path.read_text())
+    except ValueError as error:
+        raise InputError(f"{path}: not readable as JSON ({error})") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: not the lights of an export; export the scene again")
+    content = validated(LightsFile, values, str(path))
     return {
         photo: (torch.tensor(entry.light), torch.tensor(entry.sky))
         for photo, entry in content.photos.items()
