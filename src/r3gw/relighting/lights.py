@@ -13,6 +13,7 @@ from torch import Tensor
 from r3gw.evaluation.lights import light_of_map, linear_env_map
 from r3gw.files import InputError
 from r3gw.geometry.rotations import rotation_about_axis
+from r3gw.lighting import envmap
 from r3gw.lighting.daylight import Sun, clear_day
 from r3gw.lighting.sh_rotation import rotate
 from r3gw.relighting.picture import EnvMap, Illumination
@@ -123,10 +124,13 @@ def _map_lighting(env_map: Float[Tensor, "h w 3"], degree: int) -> Lighting:
 
 
 def _sun_lighting(choice: SunChoice, degree: int) -> Lighting:
+    directions = envmap.pixel_directions(SUN_MAP_HEIGHT_PX, 2 * SUN_MAP_HEIGHT_PX)
+    weights = envmap.projection_weights(directions, degree)
+
     def at(share: float) -> Illumination:
         sun = Sun(choice.azimuth_deg.at(share), choice.elevation_deg.at(share), choice.turbidity)
         day = torch.from_numpy(clear_day(sun, SUN_MAP_HEIGHT_PX)).float()
-        return _map_lighting(day, degree)(share)
+        return Illumination(envmap.projected(day, weights), env_map=EnvMap.of(day))
 
     if choice.azimuth_deg.moves or choice.elevation_deg.moves:
         return at
