@@ -11,7 +11,7 @@ LAYERS = (
     ("losses",),
     ("training",),
     ("evaluation",),
-    ("splats",),
+    ("relightable",),
     ("relighting",),
     ("export",),
     ("reporting",),

@@ -13,6 +13,7 @@ from r3gw.files import InputError, write_json
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import read_rgb
 from r3gw.raster import rasterize
+from r3gw.relightable.scene import relightable_of
 from r3gw.relighting.cameras import CameraChoice
 from r3gw.relighting.lights import LightChoice
 from r3gw.relighting.picture import Illumination, frame
@@ -21,7 +22,6 @@ from r3gw.relighting.sweep import Sweep
 from r3gw.relighting.tone import standard
 from r3gw.scene import load_scene, save_scene
 from r3gw.scene.scene import Gauge
-from r3gw.splats.splats import splats_of
 
 A_0 = LightChoice(photos=("a_0",))
 NAMES = ["baked.glb", "baked.ply", "lights.json", "relightable.ply"]
@@ -65,7 +65,7 @@ def test_files(exported):
 
 
 def test_the_baked_file_looks_like_the_relit_picture(tiny, exported):
-    camera, splats = tiny.view("b_exact").camera, splats_of(tiny.model)
+    camera, splats = tiny.view("b_exact").camera, relightable_of(tiny.model)
     light, sky_light = splats.lights["a_0"]
     picture = seen(opened(exported / "baked.ply"), camera)
     expected = frame(splats, camera, Illumination(light, sky_light), standard)

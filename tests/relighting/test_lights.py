@@ -13,17 +13,17 @@ from r3gw.imaging.files import write_exr
 from r3gw.lighting import envmap
 from r3gw.lighting.daylight import Sun, clear_day, solid_angles
 from r3gw.lighting.irradiance import irradiance
+from r3gw.relightable.scene import relightable_of
 from r3gw.relighting import tone
 from r3gw.relighting.lights import LightChoice, SunChoice, lighting
 from r3gw.relighting.picture import EnvMap
 from r3gw.relighting.sweep import Sweep
-from r3gw.splats.splats import splats_of
 
 ORIGIN = Path("model.pt")
 
 
 def test_blend_ends_at_the_two_lights(tiny):
-    splats = splats_of(tiny.model)
+    splats = relightable_of(tiny.model)
     choice = LightChoice(photos=("a_0", "a_1"), blend=Sweep((0.0, 1.0)))
     at = lighting(splats, choice, ORIGIN)
     for share, photo in ((0.0, "a_0"), (1.0, "a_1")):
@@ -38,7 +38,7 @@ def test_yaw_is_the_map_rolled(tiny, tmp_path):
     env_map = np.random.default_rng(0).random((16, 32, 3), dtype=np.float32)
     write_exr(tmp_path / "map.exr", env_map)
     write_exr(tmp_path / "rolled.exr", np.roll(env_map, 8, axis=1))  # a quarter to the right
-    splats = splats_of(tiny.model)
+    splats = relightable_of(tiny.model)
     turned = lighting(
         splats, LightChoice(env_map=tmp_path / "map.exr", yaw_deg=Sweep((90.0,))), ORIGIN
     )(0.0)
@@ -66,7 +66,7 @@ def test_a_map_shows_each_pixel_in_its_direction():
 )
 def test_the_sun_stands_where_asked(tiny, elevation, azimuth, towards):
     sun = SunChoice(Sweep((elevation,)), Sweep((azimuth,)))
-    shown = lighting(splats_of(tiny.model), LightChoice(sun=sun), ORIGIN)(0.0)
+    shown = lighting(relightable_of(tiny.model), LightChoice(sun=sun), ORIGIN)(0.0)
     looks = torch.nn.functional.normalize(
         torch.randn(40000, 3, generator=torch.Generator().manual_seed(0)), dim=-1
     )
@@ -85,7 +85,7 @@ def test_a_clear_days_ground_reflects_what_falls_on_it():
 
 
 def test_auto_exposure_gives_the_learned_strength(tiny):
-    splats = splats_of(tiny.model)
+    splats = relightable_of(tiny.model)
     sun = SunChoice(Sweep((5.0, 60.0, 5.0)), Sweep((90.0, 270.0)))
     at = lighting(splats, LightChoice(sun=sun), ORIGIN)
     learned = torch.stack([light[0].mean() for light, _ in splats.lights.values()]).median()

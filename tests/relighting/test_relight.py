@@ -11,6 +11,7 @@ from r3gw.gaussians.compose import render
 from r3gw.geometry.cameras import pixel_rays
 from r3gw.imaging.files import read_linear, read_rgb, write_exr
 from r3gw.lighting import sh
+from r3gw.relightable.scene import relightable_of
 from r3gw.relighting.cameras import CameraChoice
 from r3gw.relighting.lights import LightChoice, SunChoice
 from r3gw.relighting.outputs import output_for
@@ -18,7 +19,6 @@ from r3gw.relighting.picture import Illumination, frame
 from r3gw.relighting.relight import FilmChoice, relight
 from r3gw.relighting.sweep import Sweep
 from r3gw.relighting.tone import standard
-from r3gw.splats.splats import splats_of
 
 
 def picture(tiny, folder, light: LightChoice, view: str = "a_1", name: str = "out.png", **film):
@@ -41,7 +41,7 @@ def test_frame_is_the_trainings_rendering_before_its_sky(tiny):
     light, sky_light = photo_light(tiny.model, "a_0")
     camera = tiny.view("b_exact").camera
     trained = render(tiny.model, camera, light, sky_light)
-    shown = frame(splats_of(tiny.model), camera, Illumination(light, sky_light), standard)
+    shown = frame(relightable_of(tiny.model), camera, Illumination(light, sky_light), standard)
     looks = torch.nn.functional.normalize(pixel_rays(camera), dim=-1)  # the camera is not turned
     behind = (sh.radiance(sky_light, looks) + 0.5).clamp(0.0, 1.0)
     expected = trained.colour + (1 - trained.alpha[..., None]) * behind

@@ -5,15 +5,15 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
+from r3gw.relightable.ply import Baked
+from r3gw.relightable.scene import Relightable
 from r3gw.relighting.picture import Illumination, foreground_values, sky_values
 from r3gw.relighting.tone import Curve
 from r3gw.shading.cook_torrance import face_camera
-from r3gw.splats.ply import Baked
-from r3gw.splats.splats import Splats
 
 
 @torch.no_grad()
-def bake(splats: Splats, cameras: list[Camera], shown: Illumination, curve: Curve) -> Baked:
+def bake(splats: Relightable, cameras: list[Camera], shown: Illumination, curve: Curve) -> Baked:
     """Mean, over the cameras, of the colour in which each one sees each Gaussian.
 
     The mean is the constant colour with the least squared error over these cameras. With one
@@ -30,7 +30,7 @@ def bake(splats: Splats, cameras: list[Camera], shown: Illumination, curve: Curv
     return Baked((total / len(cameras)).clamp(0.0, 1.0), _normals(splats, middle))
 
 
-def _normals(splats: Splats, middle: Float[Tensor, "3"]) -> Float[Tensor, "n 3"]:
+def _normals(splats: Relightable, middle: Float[Tensor, "3"]) -> Float[Tensor, "n 3"]:
     means = splats.means[: splats.num_foreground]
     facing = face_camera(splats.normals, middle.to(means) - means)
     return torch.nn.functional.pad(facing, (0, 0, 0, splats.num_sky))

@@ -7,14 +7,14 @@ from r3gw.export.bake import bake
 from r3gw.export.gltf import write_glb
 from r3gw.files import InputError
 from r3gw.geometry.similarity import Similarity
+from r3gw.relightable.lights_file import write_lights
+from r3gw.relightable.move import moved
+from r3gw.relightable.ply import Baked, Coordinates, Placement, write_ply
+from r3gw.relightable.source import load_relightable
 from r3gw.relighting.cameras import view_named
 from r3gw.relighting.lights import LightChoice, lighting
 from r3gw.relighting.tone import CURVES
 from r3gw.scene import load_scene
-from r3gw.splats.lights_file import write_lights
-from r3gw.splats.move import moved
-from r3gw.splats.ply import Baked, Coordinates, Placement, write_ply
-from r3gw.splats.source import load_splats
 
 
 def export(
@@ -45,7 +45,7 @@ def export(
     """
     if light.moves:
         raise InputError("an export has one light: give plain numbers, not FROM:TO")
-    splats, scene = load_splats(model_path), load_scene(scene_folder)
+    splats, scene = load_relightable(model_path), load_scene(scene_folder)
     views = scene.split("train") if view is None else (view_named(scene, view),)
     shown = lighting(splats, light, model_path)(0.0)
     baked = bake(splats, [each.camera for each in views], shown, CURVES[tone])

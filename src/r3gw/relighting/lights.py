@@ -16,9 +16,9 @@ from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.lighting import envmap
 from r3gw.lighting.daylight import Sun, clear_day
 from r3gw.lighting.sh_rotation import rotate
+from r3gw.relightable.scene import Relightable
 from r3gw.relighting.picture import EnvMap, Illumination
 from r3gw.relighting.sweep import Sweep
-from r3gw.splats.splats import Splats
 
 WHITE_SKY, LEARNED_SKY, MAP_SKY = "white", "learned", "map"
 SUN_MAP_HEIGHT_PX = 64
@@ -67,7 +67,7 @@ class LightChoice:
 Lighting = Callable[[float], Illumination]
 
 
-def lighting(splats: Splats, choice: LightChoice, origin: Path) -> Lighting:
+def lighting(splats: Relightable, choice: LightChoice, origin: Path) -> Lighting:
     """The illumination as a function of the share (0 to 1) of the film.
 
     Args:
@@ -138,7 +138,7 @@ def _sun_lighting(choice: SunChoice, degree: int) -> Lighting:
     return lambda _: still
 
 
-def _learned_lighting(splats: Splats, choice: LightChoice, origin: Path) -> Lighting:
+def _learned_lighting(splats: Relightable, choice: LightChoice, origin: Path) -> Lighting:
     first = splats.light_of(choice.photos[0], origin)
     last = splats.light_of(choice.photos[-1], origin)
 
@@ -151,7 +151,7 @@ def _learned_lighting(splats: Splats, choice: LightChoice, origin: Path) -> Ligh
 
 
 def _sky(
-    splats: Splats, choice: LightChoice, origin: Path
+    splats: Relightable, choice: LightChoice, origin: Path
 ) -> Callable[[Illumination], Illumination]:
     """How an illumination's own sky is replaced by the one that was asked for."""
     name, _, photo = (choice.sky or "").partition(":")
@@ -172,7 +172,7 @@ def _sky(
     raise InputError(f"sky '{choice.sky}' is unknown; use white, map, learned or learned:PHOTO")
 
 
-def _exposure(splats: Splats, choice: LightChoice, own: Lighting, origin: Path) -> float:
+def _exposure(splats: Relightable, choice: LightChoice, own: Lighting, origin: Path) -> float:
     if isinstance(choice.exposure, float):
         return choice.exposure
     if choice.exposure is None and (choice.sun is None or not splats.lights):

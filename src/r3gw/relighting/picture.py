@@ -17,10 +17,9 @@ from r3gw.geometry.spherical import angles_from_direction
 from r3gw.imaging.colour import linear_from_display
 from r3gw.lighting import sh
 from r3gw.raster import rasterize
+from r3gw.relightable.scene import Relightable
 from r3gw.relighting.tone import Curve
-from r3gw.shading.cook_torrance import face_camera
-from r3gw.shading.fused import shade
-from r3gw.splats.splats import Splats
+from r3gw.shading.cook_torrance import face_camera, shade
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,10 @@ class Illumination:
 
 
 def foreground_values(
-    splats: Splats, camera_centre: Float[Tensor, "3"], light: Float[Tensor, "coeff 3"], curve: Curve
+    splats: Relightable,
+    camera_centre: Float[Tensor, "3"],
+    light: Float[Tensor, "coeff 3"],
+    curve: Curve,
 ) -> Float[Tensor, "f 3"]:
     """Colours of the foreground as seen from a point, after the tone curve."""
     means = splats.means[: splats.num_foreground]
@@ -101,7 +103,7 @@ def foreground_values(
 
 
 def sky_values(
-    splats: Splats, camera_centre: Float[Tensor, "3"], shown: Illumination, curve: Curve
+    splats: Relightable, camera_centre: Float[Tensor, "3"], shown: Illumination, curve: Curve
 ) -> Float[Tensor, "s 3"]:
     """Colours of the sky's Gaussians as seen from a point, after the tone curve."""
     means = splats.means[splats.num_foreground :]
@@ -117,7 +119,7 @@ def pixel_directions(camera: Camera) -> Float[Tensor, "h w 3"]:
 
 @torch.no_grad()
 def frame(
-    splats: Splats, camera: Camera, shown: Illumination, curve: Curve
+    splats: Relightable, camera: Camera, shown: Illumination, curve: Curve
 ) -> Float[Tensor, "h w 3"]:
     """One picture, in the values of the tone curve; what nothing covers shows the sky."""
     colours = foreground_values(splats, camera.centre, shown.light, curve)

@@ -8,13 +8,13 @@ import torch
 from tqdm import tqdm
 
 from r3gw.files import InputError
+from r3gw.relightable.source import load_relightable
 from r3gw.relighting.cameras import CameraChoice, chosen_cameras
 from r3gw.relighting.lights import LightChoice, lighting
 from r3gw.relighting.outputs import output_for
 from r3gw.relighting.picture import frame
 from r3gw.relighting.tone import CURVES, linear_from_scene, scene_linear
 from r3gw.scene import load_scene
-from r3gw.splats.source import load_splats
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def relight(
             "one frame shows no movement: give --frames, or one view and plain numbers"
         )
     torch.set_num_threads(num_threads)
-    splats = load_splats(model_path)
+    splats = load_relightable(model_path)
     shares = [i / max(film.frames - 1, 1) for i in range(film.frames)]
     middle = splats.means[: splats.num_foreground].median(dim=0).values
     placed = chosen_cameras(load_scene(scene_folder), cameras, middle, shares)

@@ -20,11 +20,11 @@ from torch import Tensor
 
 from r3gw.files import InputError, atomic_path
 from r3gw.geometry.similarity import Similarity
+from r3gw.relightable.lights_file import read_lights
+from r3gw.relightable.move import moved
+from r3gw.relightable.scene import Relightable
 from r3gw.scene.scene import Gauge
 from r3gw.settings.validation import validated
-from r3gw.splats.lights_file import read_lights
-from r3gw.splats.move import moved
-from r3gw.splats.splats import Splats
 
 Y_00 = 0.28209479
 POSITION, NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
@@ -61,7 +61,7 @@ class Placement:
 
 
 def write_ply(
-    path: Path, splats: Splats, baked: Baked, placement: Placement, *, relightable: bool
+    path: Path, splats: Relightable, baked: Baked, placement: Placement, *, relightable: bool
 ) -> None:
     """Write a scene.
 
@@ -97,7 +97,7 @@ def write_ply(
         plyfile.PlyData([element], byte_order="<", comments=comments).write(str(temporary))
 
 
-def read_ply(path: Path) -> Splats:
+def read_ply(path: Path) -> Relightable:
     """Read a relightable file, and the lights of ``lights.json`` beside it, as a scene to relight.
 
     A file in scene coordinates comes back bit for bit; one in source coordinates is carried back
@@ -116,7 +116,7 @@ def read_ply(path: Path) -> Splats:
     if bool((is_sky[1:] < is_sky[:-1]).any()):
         raise InputError(f"{path}: the sky's Gaussians must come last; do not reorder the file")
     count = int((~is_sky).sum())
-    splats = Splats(
+    splats = Relightable(
         _columns(rows, POSITION),
         _columns(rows, ROTATION),
         _columns(rows, SCALE),

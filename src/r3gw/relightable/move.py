@@ -10,10 +10,10 @@ from torch import Tensor
 
 from r3gw.geometry.similarity import Similarity
 from r3gw.lighting.sh_rotation import rotate
-from r3gw.splats.splats import Splats
+from r3gw.relightable.scene import Relightable
 
 
-def moved(splats: Splats, target_from_source: Similarity) -> Splats:
+def moved(splats: Relightable, target_from_source: Similarity) -> Relightable:
     """The same scene and its lights in the coordinates of a similarity's target."""
     rotation = target_from_source.rotation
     return replace(

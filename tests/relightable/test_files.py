@@ -1,4 +1,4 @@
-"""r3gw.splats: PLY and lights.json read by hand, round trips, other coordinates."""
+"""r3gw.relightable: PLY and lights.json read by hand, round trips, other coordinates."""
 
 import json
 from dataclasses import fields, replace
@@ -12,11 +12,11 @@ from r3gw.files import InputError
 from r3gw.geometry.rotations import rotation_from_quaternion
 from r3gw.geometry.similarity import Similarity
 from r3gw.lighting import sh
-from r3gw.splats.lights_file import read_lights, write_lights
-from r3gw.splats.move import moved
-from r3gw.splats.ply import Baked, Placement, read_ply, write_ply
-from r3gw.splats.source import load_splats
-from r3gw.splats.splats import Splats, splats_of
+from r3gw.relightable.lights_file import read_lights, write_lights
+from r3gw.relightable.move import moved
+from r3gw.relightable.ply import Baked, Placement, read_ply, write_ply
+from r3gw.relightable.scene import Relightable, relightable_of
+from r3gw.relightable.source import load_relightable
 
 STANDARD = (
     *("x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity"),
@@ -31,9 +31,9 @@ SOURCE_FROM_SCENE = Similarity(
 )
 
 
-def two() -> Splats:
+def two() -> Relightable:
     """One foreground Gaussian and one of the sky, with values to check by hand."""
-    return Splats(
+    return Relightable(
         torch.tensor([[1.0, 2.0, 3.0], [0.0, -9.0, 0.5]]),
         torch.tensor([[2.0, 0.0, 0.0, 2.0], [1.0, 0.0, 0.0, 0.0]]),
         torch.tensor([[-1.0, -2.0, -27.5], [0.0, 0.1, 0.2]]),
@@ -89,8 +89,8 @@ def test_relightable_file_adds_properties_at_the_end(tmp_path):
     assert columns["is_sky"].tolist() == [0, 1]
 
 
-def assert_equal(found: Splats, expected: Splats, **tolerance) -> None:
-    for field in fields(Splats):
+def assert_equal(found: Relightable, expected: Relightable, **tolerance) -> None:
+    for field in fields(Relightable):
         ours, theirs = getattr(found, field.name), getattr(expected, field.name)
         if field.name == "lights":
             assert list(ours) == list(theirs)
@@ -102,11 +102,11 @@ def assert_equal(found: Splats, expected: Splats, **tolerance) -> None:
 
 
 def test_a_trained_model_comes_back_bit_for_bit(tiny, tmp_path):
-    model = splats_of(tiny.model)
+    model = relightable_of(tiny.model)
     colours = Baked(torch.rand(len(model.means), 3), torch.zeros(len(model.means), 3))
     write_ply(tmp_path / "a.ply", model, colours, HERE, relightable=True)
     write_lights(model.lights, "scene", tmp_path)
-    assert_equal(load_splats(tmp_path / "a.ply"), model, rtol=0, atol=0)
+    assert_equal(load_relightable(tmp_path / "a.ply"), model, rtol=0, atol=0)
 
 
 def test_source_coordinates_and_back(tmp_path):
@@ -134,7 +134,7 @@ def test_source_coordinates_and_back(tmp_path):
     assert_equal(replace(found, **same), two(), rtol=1e-5, atol=1e-5)
 
 
-def axes(splats: Splats) -> torch.Tensor:
+def axes(splats: Relightable) -> torch.Tensor:
     """Rotation times scales, ``[N, 3, 3]``."""
     return rotation_from_quaternion(splats.quaternions) * splats.scales[:, None, :]
 

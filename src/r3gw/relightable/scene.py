@@ -11,15 +11,15 @@ from torch import Tensor
 
 from r3gw.evaluation.lights import photo_light
 from r3gw.files import InputError
-from r3gw.gaussians.foreground import shortest_axes
 from r3gw.gaussians.model import SceneModel
+from r3gw.gaussians.reference import shortest_axes
 
 Light = Float[Tensor, "coeff 3"]
 SkyLight = Float[Tensor, "skycoeff 3"]
 
 
 @dataclass(frozen=True)
-class Splats:
+class Relightable:
     """A relightable scene; of its N Gaussians the first F are foreground, the others sky.
 
     Attributes:
@@ -87,10 +87,10 @@ class Splats:
 
 
 @torch.no_grad()
-def splats_of(model: SceneModel) -> Splats:
+def relightable_of(model: SceneModel) -> Relightable:
     """Take a trained model apart into what pictures need."""
     foreground, sky = model.foreground, model.sky
-    return Splats(
+    return Relightable(
         torch.cat([foreground["means"], sky.means()]),
         torch.cat([foreground["quaternions"], sky.rows["quaternions"]]),
         torch.cat([foreground["log_scales"], sky.rows["log_scales"]]),

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from r3gw.gaussians.model import load_model
-from r3gw.splats.ply import read_ply
-from r3gw.splats.splats import Splats, splats_of
+from r3gw.relightable.ply import read_ply
+from r3gw.relightable.scene import Relightable, relightable_of
 
 
-def load_splats(path: Path) -> Splats:
+def load_relightable(path: Path) -> Relightable:
     """Read ``model.pt``, or a relightable ``.ply`` with its ``lights.json`` beside it.
 
     Raises:
@@ -15,4 +15,4 @@ def load_splats(path: Path) -> Splats:
     """
     if path.suffix.lower() == ".ply":
         return read_ply(path)
-    return splats_of(load_model(path))
+    return relightable_of(load_model(path))
