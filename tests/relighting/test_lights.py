@@ -11,7 +11,6 @@ import torch
 from r3gw.files import InputError
 from r3gw.imaging.files import write_exr
 from r3gw.lighting import envmap
-from r3gw.lighting.daylight import Sun, clear_day, solid_angles
 from r3gw.lighting.irradiance import irradiance
 from r3gw.relightable.scene import relightable_of
 from r3gw.relighting import tone
@@ -75,13 +74,6 @@ def test_the_sun_stands_where_asked(tiny, elevation, azimuth, towards):
     # Surfaces that face the sun receive the most; the blue sky draws a low sun's peak upwards.
     warmest = looks[irradiance(shown.light, looks)[:, 0].argmax()]
     assert float(warmest @ torch.tensor(towards)) > np.cos(radians(35.0))
-
-
-def test_a_clear_days_ground_reflects_what_falls_on_it():
-    day = clear_day(Sun(40.0, 50.0, 3.0), 32)
-    up = -envmap.pixel_directions(32, 64).numpy()[..., 1:2]
-    received = (day * solid_angles(32) * up)[:16].sum((0, 1))
-    np.testing.assert_allclose(day[20, 7] * np.pi / received, (0.24, 0.23, 0.2), rtol=1e-6, atol=0)
 
 
 def test_auto_exposure_gives_the_learned_strength(tiny):
