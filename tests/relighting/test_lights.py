@@ -98,7 +98,7 @@ def test_tone_curves_by_hand():
 
 
 def test_sweeps():
-    assert [Sweep.parse("10:60:10", "--x").at(s) for s in (0.0, 0.25, 0.5, 1.0)] == [10, 35, 60, 10]
-    assert not Sweep.parse("7", "--x").moves
-    with pytest.raises(InputError, match="--x: 'a:3' is neither"):
-        Sweep.parse("a:3", "--x")
+    assert [Sweep.parse("10:60:10").at(s) for s in (0.0, 0.25, 0.5, 1.0)] == [10, 35, 60, 10]
+    assert not Sweep.parse("7").moves
+    with pytest.raises(InputError, match="'a:3' is neither"):
+        Sweep.parse("a:3")

@@ -22,7 +22,7 @@ class SweepType(click.ParamType[Sweep]):
         if isinstance(value, Sweep):
             return value
         try:
-            return Sweep.parse(str(value), param.opts[0] if param is not None else "value")
+            return Sweep.parse(str(value))
         except InputError as error:
             self.fail(str(error), param, ctx)
 

@@ -14,18 +14,18 @@ class Sweep:
     values: tuple[float, ...]
 
     @staticmethod
-    def parse(text: str, name: str) -> "Sweep":
+    def parse(text: str) -> "Sweep":
         """Read ``VALUE`` or ``FROM:TO`` or ``FROM:VIA:TO``.
 
         Raises:
-            InputError: If a part is no finite number; the message names the option ``name``.
+            InputError: If a part is no finite number.
         """
         try:
             values = tuple(float(part) for part in text.split(":"))
         except ValueError:
             values = (float("nan"),)
         if not np.isfinite(values).all():
-            raise InputError(f"{name}: '{text}' is neither a number nor FROM:TO, such as 0:90")
+            raise InputError(f"'{text}' is neither a number nor FROM:TO, such as 0:90")
         return Sweep(values)
 
     @property
