@@ -11,6 +11,9 @@ LAYERS = (
     ("losses",),
     ("training",),
     ("evaluation",),
+    ("relightable",),
+    ("relighting",),
+    ("export",),
     ("reporting",),
     ("cli",),
 )
