@@ -127,6 +127,11 @@ def break_photo_size(place):
     layout_a.picture(path, np.zeros((48, 60, 3), np.uint8))
 
 
+def cut_photo_in_half(place):
+    path = place.undistorted / "images" / f"{layout_a.STEMS[0]}.jpg"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
 def truncate_photo(place):
     (place.undistorted / "images" / f"{layout_a.STEMS[0]}.jpg").write_bytes(b"\xff\xd8\xff\xe0")
 
@@ -179,9 +184,10 @@ def nan_pose(place):
     [
         (
             break_photo,
-            r"one file is missing for scene 'place' \(undistorted/images/01-08_07_30_IMG_0001.jpg\)",
+            r"one file is missing .*\(undistorted/images/01-08_07_30_IMG_0001.jpg\)",
         ),
         (break_photo_size, r"the photo is 60x48 px but its camera is 64x48 px"),
+        (cut_photo_in_half, r"IMG_0001.jpg: not a readable picture"),
         (truncate_photo, r"IMG_0001.jpg: not a readable picture"),
         (break_mask_size, r"IMG_0002.PNG: the mask is 32x24 px but its photo is 64x48 px"),
         (double_stem, r"has the same stem as"),

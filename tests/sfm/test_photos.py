@@ -2,36 +2,31 @@
 
 import json
 import os
-import struct
 from itertools import pairwise
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from exif import with_orientation
 from place import SIZE, place_photo
 from scipy.spatial.transform import Rotation
 
 from r3gw.files import InputError
-from r3gw.imaging.files import read_rgb
+from r3gw.imaging.files import read_grey, read_rgb
 from r3gw.scene import load_points
 from r3gw.settings import PhotosScene
 from r3gw.sfm import import_scene
 
+MASKS = {"is_valid": "masks", "is_sky": "sky_masks"}
+PATTERNS = {  # white of row and column, at full size
+    "is_valid": lambda _row, column: column < 0.9 * SIZE[0],
+    "is_sky": lambda row, _column: row >= 0.2 * SIZE[1],
+}
 REPOSITORY = Path(__file__).parents[2]
 SACRE_COEUR = Path(
     os.environ.get("R3GW_SACRE_COEUR", REPOSITORY.parent / "shared" / "data" / "sacre_coeur")
 )
-
-
-def jpeg_with_orientation(path, image, orientation):
-    """Store a photo turned, with the EXIF tag that turns it back (6: stored a quarter left)."""
-    data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 97])[1].tobytes()
-    tiff = b"II*\0" + struct.pack("<IHHHIHHI", 8, 1, 0x0112, 3, 1, orientation, 0, 0)
-    segment = b"Exif\0\0" + tiff
-    path.write_bytes(
-        data[:2] + b"\xff\xe1" + struct.pack(">H", len(segment) + 2) + segment + data[2:]
-    )
 
 
 @pytest.fixture(scope="module")
@@ -49,9 +44,16 @@ def made(tmp_path_factory):
         centres[f"photo_{number}"] = centre
         image = place_photo(turn.as_matrix().T, centre)
         if number == 2:
-            jpeg_with_orientation(photos / "photo_2.jpg", np.rot90(image), 6)
+            with_orientation(photos / "photo_2.jpg", np.rot90(image), 6)
         else:
             cv2.imwrite(str(photos / f"photo_{number}.{'JPG' if number else 'png'}"), image)
+    for name, folder_name in MASKS.items():
+        (photos / folder_name).mkdir()
+        mask = (PATTERNS[name](*np.mgrid[: SIZE[1], : SIZE[0]]) * 255).astype(np.uint8)
+        for stem in ("photo_1", "photo_2"):
+            # That of the turned photo is of its stored pixels.
+            stored = np.rot90(mask) if stem == "photo_2" else mask
+            cv2.imwrite(str(photos / folder_name / f"{stem}.png"), stored)
     noise = rng.integers(0, 255, (30, 40), dtype=np.uint8)
     cv2.imwrite(str(photos / "elsewhere.png"), cv2.resize(noise, SIZE))
     settings = PhotosScene(format="photos", path=".", max_image_px=200)
@@ -92,6 +94,20 @@ def test_turned_photo_is_upright(made):
     assert np.corrcoef(found.ravel(), expected.ravel())[0, 1] > 0.8
 
 
+def test_masks_beside_photos_are_undistorted_with_them(made):
+    """The lens that SfM found is weak, so edges stay within a few pixels of the scaled mask."""
+    folder, scene, _ = made
+    for name in MASKS:
+        assert len(list((folder / "scene" / "given" / name).iterdir())) == 2
+    for view in scene.views[1:3]:
+        assert (view.width, view.height) == (200, pytest.approx(150, abs=2))
+        row, column = np.mgrid[: view.height, : view.width] * 2 + 0.5
+        for name, pattern in PATTERNS.items():
+            mask = read_grey(folder / "scene" / "given" / name / f"{view.name}.png") >= 128
+            white = mask if name == "is_valid" else ~mask
+            assert np.mean(white == pattern(row, column)) > 0.98
+
+
 def test_photo_of_elsewhere_falls_out_and_is_reported(made):
     folder, scene, _ = made
     report = json.loads((folder / "scene" / "sfm_report.json").read_text())
@@ -99,7 +115,7 @@ def test_photo_of_elsewhere_falls_out_and_is_reported(made):
     assert report["photos"] == 8
     assert report["not_registered"] == {"elsewhere.png": "matches no other photo"}
     left = {path.name for path in (folder / "scene").iterdir()}
-    assert left == {"scene.json", "sfm_report.json", "points.npz", "images"}
+    assert left == {"scene.json", "sfm_report.json", "points.npz", "images", "given"}
 
 
 def test_same_seed_gives_the_same_bytes(made):

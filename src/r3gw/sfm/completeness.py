@@ -64,7 +64,7 @@ def require_complete(name: str, settings: SceneSettings, source: Path) -> None:
     """
     if missing := missing_files(settings, source):
         if missing == [str(source)]:
-            raise InputError(f"{source}: no such folder; correct 'path' of scene '{name}'")
+            raise InputError(f"{source}: no such file or folder; correct 'path' of scene '{name}'")
         files = f"{len(missing)} files are" if len(missing) > 1 else "one file is"
         raise InputError(
             f"{source}: {files} missing for scene '{name}' ({listed(missing, _MOST)}); put them "
@@ -83,7 +83,8 @@ def _of_layout_a(settings: SyntheticScene | NerfOsrScene, source: Path) -> list[
     missing += [f"undistorted/images/{name}" for name in unseen]
     if settings.sky_masks == "given":
         masks = mask_files(undistorted / "sky_masks")
-        missing += [f"undistorted/sky_masks/{key}.png" for key in lines if key not in masks]
+        unmasked = [Path(line.filename).stem for key, line in lines.items() if key not in masks]
+        missing += [f"undistorted/sky_masks/{stem}.png" for stem in unmasked]
     missing += _of_evaluation(eval_files)
     if isinstance(settings, NerfOsrScene):
         evaluated = evaluated_views(eval_files)

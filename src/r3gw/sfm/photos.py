@@ -109,19 +109,19 @@ class _Work:
     def bake_masks(self, folder: Path, photos: Mapping[str, Path]) -> None:
         """Write every mask upright, white = True, and what features may be taken from."""
         given = {kind: mask_files(folder / name) for kind, (name, _) in MASK_FOLDERS.items()}
+        if not any(given.values()):
+            return
         for key, photo in photos.items():
-            kinds = [kind for kind, files in given.items() if key in files]
-            keep: NDArray[np.bool_] | None = None
-            for kind in kinds:
+            # pycolmap leaves out photos without a mask, so every photo gets one.
+            keep: NDArray[np.bool_] = np.ones(read_rgb(photo).shape[:2], dtype=np.bool_)
+            for kind in (kind for kind, files in given.items() if key in files):
                 mask = upright_mask(given[kind][key], photo)
                 mask = mask if MASK_FOLDERS[kind][1] else ~mask
                 path = self.folder / "masks" / kind / f"{photo.stem}.png"
                 write_image(path, mask)
                 self.masks.setdefault(photo.stem, {})[kind] = SourceMask(path)
-                usable = ~mask if kind == "is_sky" else mask
-                keep = usable if keep is None else keep & usable
-            if keep is not None:
-                write_image(self.folder / "keep" / f"{photo.stem}.png.png", keep)
+                keep &= ~mask if kind == "is_sky" else mask
+            write_image(self.folder / "keep" / f"{photo.stem}.png.png", keep)
 
     def extract_features(
         self, focal_lengths: Mapping[str, float], mode: pycolmap.CameraMode
