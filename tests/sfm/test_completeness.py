@@ -20,7 +20,7 @@ def missing(place, **changes):
 
 
 def test_a_complete_scene_lacks_nothing(place):
-    assert missing(place, sky_masks="given", test_views=[layout_a.TEST_STEM]) == []
+    assert missing(place, sky_masks="given", evaluated_views=[layout_a.TEST_STEM]) == []
 
 
 def test_every_missing_file_is_named(place):
@@ -42,7 +42,7 @@ def test_every_missing_file_is_named(place):
 
 def test_test_views_of_the_paper_need_photo_and_entry(place):
     absent = "29-07_20_30_IMG_5607"
-    assert missing(place, test_views=[layout_a.TEST_STEM, absent, layout_a.STEMS[0]]) == [
+    assert missing(place, evaluated_views=[layout_a.TEST_STEM, absent, layout_a.STEMS[0]]) == [
         f"undistorted/images/{absent}.jpg",
         f"entry of {absent} in eval_files/test_config.py",
         f"entry of {layout_a.STEMS[0]} in eval_files/test_config.py",

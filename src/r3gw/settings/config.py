@@ -36,7 +36,7 @@ class NerfOsrScene(Strict):
     path: str
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
-    test_views: list[str] = Field(default_factory=list)
+    evaluated_views: list[str] = Field(default_factory=list)
     sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
 
 

@@ -68,7 +68,7 @@ def require_complete(name: str, settings: SceneSettings, source: Path) -> None:
         files = f"{len(missing)} files are" if len(missing) > 1 else "one file is"
         raise InputError(
             f"{source}: {files} missing for scene '{name}' ({listed(missing, _MOST)}); put them "
-            "in place (config/scenes/README.md tells where data comes from)"
+            "in place (docs/scenes.md tells where data comes from)"
         )
 
 
@@ -88,7 +88,7 @@ def _of_layout_a(settings: SyntheticScene | NerfOsrScene, source: Path) -> list[
     missing += _of_evaluation(eval_files)
     if isinstance(settings, NerfOsrScene):
         evaluated = evaluated_views(eval_files)
-        for view in settings.test_views:
+        for view in settings.evaluated_views:
             if key_of(view) not in photos:
                 missing.append(f"undistorted/images/{view}.jpg")
             if key_of(view) not in evaluated:
