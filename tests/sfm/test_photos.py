@@ -7,6 +7,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pycolmap
 import pytest
 from exif import with_orientation
 from place import SIZE, place_photo
@@ -17,6 +18,9 @@ from r3gw.imaging.files import read_grey, read_rgb
 from r3gw.scene import load_points
 from r3gw.settings import PhotosScene
 from r3gw.sfm import import_scene
+from r3gw.sfm.colmap_model import from_reconstruction
+from r3gw.sfm.registration import Mapped, registration_report
+from r3gw.sfm.source import SourceScene, SourceView
 
 MASKS = {"is_valid": "masks", "is_sky": "sky_masks"}
 PATTERNS = {  # white of row and column, at full size
@@ -56,6 +60,7 @@ def made(tmp_path_factory):
             cv2.imwrite(str(photos / folder_name / f"{stem}.png"), stored)
     noise = rng.integers(0, 255, (30, 40), dtype=np.uint8)
     cv2.imwrite(str(photos / "elsewhere.png"), cv2.resize(noise, SIZE))
+    cv2.imwrite(str(photos / "fog.png"), np.full(SIZE[::-1], 90, np.uint8))
     settings = PhotosScene(format="photos", path=".", max_image_px=200)
     scene = import_scene("made", settings, photos, folder / "scene", num_threads=2, seed=1)
     return folder, scene, centres
@@ -112,10 +117,37 @@ def test_photo_of_elsewhere_falls_out_and_is_reported(made):
     folder, scene, _ = made
     report = json.loads((folder / "scene" / "sfm_report.json").read_text())
     assert [view.name for view in scene.views] == [f"photo_{n}" for n in range(7)]
-    assert report["photos"] == 8
-    assert report["not_registered"] == {"elsewhere.png": "matches no other photo"}
+    assert (report["photos"], len(report["registered"])) == (9, 7)
+    assert report["not_registered"] == {
+        "elsewhere.png": "matches no other photo",
+        "fog.png": "only 0 features (blurred, plain or masked)",
+    }
     left = {path.name for path in (folder / "scene").iterdir()}
     assert left == {"scene.json", "sfm_report.json", "points.npz", "images", "given"}
+
+
+def test_a_second_group_of_photos_is_named(tmp_path):
+    groups = []
+    for names in (("a", "b", "c"), ("x", "y")):
+        model = pycolmap.Reconstruction()
+        camera = pycolmap.Camera.create_from_model_id(1, pycolmap.CameraModelId.PINHOLE, 9, 9, 9)
+        model.add_camera_with_trivial_rig(camera)
+        for number, name in enumerate(names, start=1):
+            image = pycolmap.Image(name=f"{name}.png", camera_id=1, image_id=number)
+            model.add_image_with_trivial_frame(image, pycolmap.Rigid3d())
+        groups.append(model)
+    groups[0].add_point3D(np.ones(3), pycolmap.Track(), np.zeros(3, np.uint8))
+    photos = {name: tmp_path / f"{name}.jpg" for name in "abcxy"}
+    mapped = Mapped(groups[0], groups[1:], tmp_path / "database.db")
+    model = from_reconstruction(groups[0], tmp_path)
+    views = tuple(
+        SourceView(Path(name).stem, tmp_path / name, camera, "train")
+        for name, camera in model.cameras.items()
+    )
+    report = registration_report(photos, mapped, SourceScene(views, model.points))
+    reason = "belongs to another group of 2 photos that does not connect"
+    assert report["not_registered"] == {"x.jpg": reason, "y.jpg": reason}
+    assert report["models"] == 2
 
 
 def test_same_seed_gives_the_same_bytes(made):
@@ -132,6 +164,9 @@ def test_too_few_photos_and_photos_without_overlap_get_advice(tmp_path):
     photos = tmp_path / "photos"
     photos.mkdir()
     with pytest.raises(InputError, match="0 photos are here, but at least 3 are needed"):
+        import_scene("few", settings, photos, tmp_path / "scene", num_threads=1)
+    cv2.imwrite(str(photos / "0.png"), np.zeros((30, 40), np.uint8))
+    with pytest.raises(InputError, match="one photo is here, but at least 3 are needed; take more"):
         import_scene("few", settings, photos, tmp_path / "scene", num_threads=1)
     for seed in range(3):
         noise = np.random.default_rng(seed).integers(0, 255, (15, 20), dtype=np.uint8)
