@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import layout_a
 import numpy as np
 import pandas as pd
 import pytest
@@ -154,7 +155,21 @@ def test_missing_photo_folder_is_one_sentence(untouched):
     wrong = CONFIG | {"scenes": {"mine": {"format": "photos", "path": "nowhere"}}}
     done = snakemake(untouched, "--dry-run", "all", config=wrong)
     assert done.returncode != 0
-    assert "scene 'mine': no folder nowhere" in done.stdout + done.stderr
+    sentence = "nowhere: no such file or folder; correct 'path' of scene 'mine'"
+    assert sentence in done.stdout + done.stderr
+
+
+def test_incomplete_dataset_is_named_before_anything_runs(untouched):
+    place = layout_a.build(untouched / "place")
+    entry = {"format": "nerf-osr", "path": "place"}
+    config = CONFIG | {"scenes": {"mine": entry}}
+    assert snakemake(untouched, "--dry-run", "all", config=config).returncode == 0
+    (place.undistorted / "images" / f"{layout_a.STEMS[0]}.jpg").unlink()
+    done = snakemake(untouched, "--dry-run", "all", config=config)
+    assert done.returncode != 0
+    text = done.stdout + done.stderr
+    assert f"one file is missing for scene 'mine' (undistorted/images/{layout_a.STEMS[0]}" in text
+    assert "Traceback" not in text
 
 
 @pytest.mark.parametrize("name", ["config", "photos", "nerf_osr"])

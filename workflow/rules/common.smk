@@ -18,11 +18,15 @@ SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
 VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})
 
-for name in set(SCENES) - set(SYNTHETIC):
-    if not Path(CONFIG.scenes[name].path).is_dir():
-        raise WorkflowError(
-            f"config: scene '{name}': no folder {CONFIG.scenes[name].path}; correct its 'path'"
-        )
+if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
+    # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
+    from r3gw.sfm.completeness import require_complete
+
+    try:
+        for name in GIVEN:
+            require_complete(name, CONFIG.scenes[name], Path(CONFIG.scenes[name].path))
+    except InputError as error:
+        raise WorkflowError(str(error))
 
 # Rules call the interpreter that runs Snakemake, whether its environment is active or not.
 shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PATH; ")

@@ -8,6 +8,8 @@ import click
 from r3gw.cli.group import FILE, FOLDER, THREADS, cli, json_object
 from r3gw.settings.validation import validated
 
+SOURCE = click.Path(path_type=Path)
+
 
 @cli.command()
 @click.option("--entry", required=True, help="The scene's config entry as JSON.")
@@ -32,11 +34,17 @@ def generate(entry: str, target: Path) -> None:
 @cli.command("import")
 @click.option("--scene", required=True, help="Name of the scene.")
 @click.option("--entry", required=True, help="The scene's config entry as JSON.")
-@click.option("--source", type=FOLDER, required=True, help="Dataset folder or folder of photos.")
+@click.option(
+    "--source", type=SOURCE, required=True, help="Dataset folder, folder of photos, or a video."
+)
 @click.option("--target", type=FOLDER, required=True, help="Folder of the imported scene.")
 @THREADS
 def import_scene(scene: str, entry: str, source: Path, target: Path, threads: int) -> None:
-    """Import a dataset, or reconstruct a folder of photos, into one scene format."""
+    """Import a dataset, or reconstruct a folder of photos, into one scene format.
+
+    The format is in the entry: nerf-osr, nerf-osr-original, colmap, nerfstudio or photos
+    (config/README.md). Missing files are named before anything is read.
+    """
     from r3gw.settings.config import parse_scene
     from r3gw.sfm import import_scene as run
 

@@ -1,8 +1,11 @@
 """What a user may set, validated: config.yaml, train.yaml, variants.yaml. Unknown keys fail."""
 
 from r3gw.settings.config import (
+    ColmapScene,
     Config,
+    NerfOsrOriginalScene,
     NerfOsrScene,
+    NerfstudioScene,
     PhotosScene,
     SceneSettings,
     SyntheticScene,
@@ -12,8 +15,11 @@ from r3gw.settings.config import (
 from r3gw.settings.train import TrainSettings, load_train_settings
 
 __all__ = [
+    "ColmapScene",
     "Config",
+    "NerfOsrOriginalScene",
     "NerfOsrScene",
+    "NerfstudioScene",
     "PhotosScene",
     "SceneSettings",
     "SyntheticScene",

@@ -36,22 +36,58 @@ class NerfOsrScene(Strict):
     path: str
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
+    evaluated_views: list[str] = Field(default_factory=list)
     sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
 
 
+class _PosedScene(Strict):
+    """Photos with known cameras, in a world of any scale and, maybe, any tilt."""
+
+    path: str
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(10.0, gt=0)
+    up: Literal["estimated", "given"] = "estimated"
+    sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
+
+
+class NerfOsrOriginalScene(_PosedScene):
+    """A NeRF-OSR scene as its authors published it."""
+
+    format: Literal["nerf-osr-original"]
+
+
+class ColmapScene(_PosedScene):
+    """A COLMAP folder: photos and a sparse model."""
+
+    format: Literal["colmap"]
+
+
+class NerfstudioScene(_PosedScene):
+    """A nerfstudio folder: photos and transforms.json."""
+
+    format: Literal["nerfstudio"]
+
+
 class PhotosScene(Strict):
-    """A folder of anybody's photos."""
+    """A folder of anybody's photos, or a video."""
 
     format: Literal["photos"]
     path: str
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(10.0, gt=0)
-    matching: Literal["exhaustive", "sequential"] = "exhaustive"
-    sky_masks: Literal["classical"] = "classical"
+    matching: Literal["exhaustive", "sequential"] | None = None
+    video_frames: int = Field(100, ge=3)
+    sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
 
 
 SceneSettings = Annotated[
-    SyntheticScene | NerfOsrScene | PhotosScene, Field(discriminator="format")
+    SyntheticScene
+    | NerfOsrScene
+    | NerfOsrOriginalScene
+    | ColmapScene
+    | NerfstudioScene
+    | PhotosScene,
+    Field(discriminator="format"),
 ]
 
 
