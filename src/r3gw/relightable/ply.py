@@ -12,16 +12,16 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import plyfile
 import torch
 from jaxtyping import Float
 from numpy.typing import NDArray
 from torch import Tensor
 
-from r3gw.files import InputError, atomic_path
+from r3gw.files import InputError
 from r3gw.geometry.similarity import Similarity
 from r3gw.relightable.lights_file import read_lights
 from r3gw.relightable.move import moved
+from r3gw.relightable.ply_rows import read_rows, write_rows
 from r3gw.relightable.scene import Relightable
 from r3gw.scene.scene import Gauge
 from r3gw.settings.validation import validated
@@ -92,9 +92,7 @@ def write_ply(
         "with_specular": splats.with_specular,
     }
     comments = [f"{COMMENT}{name} {json.dumps(value)}" for name, value in facts.items()]
-    element = plyfile.PlyElement.describe(rows, "vertex")
-    with atomic_path(path) as temporary:
-        plyfile.PlyData([element], byte_order="<", comments=comments).write(str(temporary))
+    write_rows(path, rows, comments)
 
 
 def read_ply(path: Path) -> Relightable:
@@ -147,10 +145,9 @@ def _parsed(path: Path) -> tuple[NDArray[Any], Mapping[str, Any]]:
     if not path.is_file():
         raise InputError(f"{path}: no such file; export the scene first")
     try:
-        content = plyfile.PlyData.read(str(path), mmap=False)
-        rows = content["vertex"].data
-        named = (text.removeprefix(COMMENT).split(" ", 1) for text in content.comments)
+        rows, comments = read_rows(path)
+        named = (text.removeprefix(COMMENT).split(" ", 1) for text in comments)
         facts = {name: json.loads(value) for name, value in named}
-    except (plyfile.PlyParseError, KeyError, ValueError) as error:
+    except ValueError as error:
         raise InputError(f"{path}: not a PLY file of Gaussians ({error})") from error
     return rows, facts
