@@ -65,9 +65,9 @@ def scene_source(wildcards):
     return entry.path
 
 
-def sky_masks(wildcards):
-    """Where the sky masks of a scene come from."""
-    return CONFIG.scenes[wildcards.scene].sky_masks
+def mask_sources(wildcards):
+    """Where the masks of a scene come from, as JSON."""
+    return CONFIG.scenes[wildcards.scene].mask_sources().model_dump_json()
 
 
 def resolved(variant, seed):

@@ -43,10 +43,10 @@ rule masks:
     log:
         "logs/masks/{scene}.log",
     params:
-        sky=sky_masks,
+        sources=mask_sources,
     shell:
         "python -m r3gw masks --scene results/{wildcards.scene}/scene"
-        " --sky {params.sky} --target results/{wildcards.scene}/masks > {log} 2>&1"
+        " --sources {params.sources:q} --target results/{wildcards.scene}/masks > {log} 2>&1"
 
 
 rule initialise:
