@@ -1,6 +1,5 @@
 """Photos in memory: 8 bits per value, once."""
 
-import resource
 import subprocess
 import sys
 
@@ -15,26 +14,43 @@ from r3gw.settings import MaskSources, NerfOsrScene
 from r3gw.sfm import import_scene
 from r3gw.training.photos import load_photos
 
-SIZE = (1200, 1600)
-GROWTH = """
-import resource, sys
+SIZE = (900, 1200)
+PEAK = """
+import sys
 from pathlib import Path
+from r3gw.masks import make_masks
 from r3gw.scene import load_scene
+from r3gw.settings import MaskSources
 from r3gw.training.photos import load_photos
 
 scene, masks = Path(sys.argv[1]), Path(sys.argv[2])
 def peak_bytes():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    status = Path("/proc/self/status").read_text()
+    return 1024 * int(status.split("VmHWM:")[1].split()[0])
 views = load_scene(scene)
 load_photos(views.model_copy(update={"views": views.views[:1]}), scene, masks)  # libraries warm
+"""
+LOAD = """
 before = peak_bytes()
 photos = load_photos(views, scene, masks)
 print(peak_bytes() - before)
 """
+MAKE = """
+before = peak_bytes()
+make_masks(scene, masks, MaskSources(sky_masks="none", valid_masks="all"))
+print(peak_bytes() - before)
+"""
+
+
+def growth_bytes(script, *folders):
+    """What a fresh process's largest resident memory grows by."""
+    command = [sys.executable, "-c", PEAK + script, *map(str, folders)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return int(done.stdout)
 
 
 def large_scene(tmp_path):
-    """Twelve noisy training photos of 1600 x 1200 px with masks."""
+    """Twelve noisy training photos of 1200 x 900 px with masks."""
     place = layout_a.build(tmp_path / "place")
     settings = NerfOsrScene(format="nerf-osr", path=".")
     scene = import_scene("place", settings, place.folder, tmp_path / "scene", num_threads=1)
@@ -63,18 +79,12 @@ def test_photos_are_held_as_bytes_once(tmp_path):
         assert photo.pixels.dtype == torch.uint8
         kept = (photo.pixels, photo.is_valid, photo.is_sky)
         assert sum(t.untyped_storage().nbytes() for t in kept) == 5 * pixels
-    done = subprocess.run(
-        [sys.executable, "-c", GROWTH, str(scene), str(masks)],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
+    grown = growth_bytes(LOAD, scene, masks)
     # Eleven more photos, and while one is read, OpenCV's copy of it.
-    assert int(done.stdout) < 1.1 * 11 * 5 * pixels + 8 * pixels
-    assert int(done.stdout) > 0.9 * 11 * 5 * pixels - 8 * pixels
+    assert grown < 1.1 * 11 * 5 * pixels + 8 * pixels
+    assert grown > 0.9 * 11 * 5 * pixels - 8 * pixels
 
 
 def test_masks_are_made_one_photo_at_a_time(tmp_path):
     scene, masks = large_scene(tmp_path)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    make_masks(scene, masks, MaskSources(sky_masks="none", valid_masks="all"))
-    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
-    assert grown < 12 * SIZE[0] * SIZE[1]
+    assert growth_bytes(MAKE, scene, masks) < 12 * SIZE[0] * SIZE[1]
