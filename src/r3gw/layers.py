@@ -12,5 +12,6 @@ LAYERS = (
     ("training",),
     ("evaluation",),
     ("reporting",),
+    ("doctor",),
     ("cli",),
 )

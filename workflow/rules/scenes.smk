@@ -4,6 +4,7 @@
 rule generate:
     input:
         code=library("synthetic"),
+        checked=ancient("results/doctor/sources.json"),
     output:
         directory("results/{scene}/source"),
     log:
@@ -20,6 +21,7 @@ rule import_scene:
     input:
         code=library("sfm"),
         source=scene_source,
+        checked=ancient("results/doctor/sources.json"),
     output:
         "results/{scene}/scene/scene.json",
         "results/{scene}/scene/points.npz",

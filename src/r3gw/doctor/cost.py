@@ -67,9 +67,7 @@ def predicted_cost(
     share = MEASURED.pixel_share
     factor = share * pixels / MEASURED.pixels + (1.0 - share) * mean
     memory_mb = MEASURED.base_mb + 1e-6 * MEASURED.bytes_per_photo_pixel * photo_pixels
-    memory_mb += 1e-3 * (
-        MEASURED.kb_per_gaussian * last_gaussians + MEASURED.kb_per_pixel * pixels
-    )
+    memory_mb += 1e-3 * (MEASURED.kb_per_gaussian * last_gaussians + MEASURED.kb_per_pixel * pixels)
     return Cost(1e-3 * MEASURED.ms_per_iteration * iterations * factor, memory_mb)
 
 
