@@ -1,7 +1,7 @@
 """How long a training takes and how much memory it needs: predicted from measured runs.
 
-All constants are in `MEASURED`. Measure again after a change of speed: a training of the chapel at
-default settings gives the first three (`run.json`: training_seconds, peak_rss_mb).
+All constants are in `MEASURED`. After a change of speed, measure again: a training of the chapel at
+the settings of config.yaml gives time and memory (run.json: training_seconds, peak_rss_mb).
 """
 
 from dataclasses import dataclass
@@ -15,8 +15,9 @@ class Measured:
         ms_per_iteration: On one core, at ``gaussians`` and ``pixels``.
         gaussians: Foreground and sky.
         pixels: Of a photo.
-        pixel_share: Share of the time that grows with pixels; the rest grows with Gaussians.
-        base_mb: Memory of the process before anything is loaded (10^6 bytes).
+        fixed_share, pixel_share: Shares of the time that are always needed, and that grow with
+            pixels; the rest grows with Gaussians.
+        base_mb: Memory that every training needs (10^6 bytes).
         kb_per_gaussian, kb_per_pixel: Memory while training (10^3 bytes).
         bytes_per_photo_pixel: Colour and two masks.
     """
@@ -24,6 +25,7 @@ class Measured:
     ms_per_iteration: float
     gaussians: int
     pixels: int
+    fixed_share: float
     pixel_share: float
     base_mb: float
     kb_per_gaussian: float
@@ -31,16 +33,18 @@ class Measured:
     bytes_per_photo_pixel: int = 5
 
 
-# Chapel, 240 x 180 px, 15,000 Gaussians, one core: 45 ms per iteration, 562 MB in all. How both
-# divide between Gaussians and pixels is an estimate.
+# Chapel, 240 x 180 px, 15,000 Gaussians, one core: 45 ms per iteration and 562 MB. How both divide
+# was measured on trainings of the chapel with 0.25 to 4 times the pixels and 0.3 to 3 times the
+# Gaussians, by CPU time and peak resident memory.
 MEASURED = Measured(
     ms_per_iteration=45.0,
     gaussians=15_000,
     pixels=240 * 180,
-    pixel_share=0.5,
-    base_mb=300.0,
-    kb_per_gaussian=10.0,
-    kb_per_pixel=2.5,
+    fixed_share=0.43,
+    pixel_share=0.29,
+    base_mb=505.0,
+    kb_per_gaussian=1.0,
+    kb_per_pixel=1.0,
 )
 
 
@@ -64,8 +68,8 @@ def predicted_cost(
         photo_pixels: Sum over the training photos.
     """
     mean = 0.5 * (first_gaussians + last_gaussians) / MEASURED.gaussians
-    share = MEASURED.pixel_share
-    factor = share * pixels / MEASURED.pixels + (1.0 - share) * mean
+    factor = MEASURED.fixed_share + MEASURED.pixel_share * pixels / MEASURED.pixels
+    factor += (1.0 - MEASURED.fixed_share - MEASURED.pixel_share) * mean
     memory_mb = MEASURED.base_mb + 1e-6 * MEASURED.bytes_per_photo_pixel * photo_pixels
     memory_mb += 1e-3 * (MEASURED.kb_per_gaussian * last_gaussians + MEASURED.kb_per_pixel * pixels)
     return Cost(1e-3 * MEASURED.ms_per_iteration * iterations * factor, memory_mb)

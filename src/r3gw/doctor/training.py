@@ -46,7 +46,8 @@ def describe_training(scene: Scene, initial: Path, runs: Runs, findings: Finding
     if largest > available:
         findings.problems.append(
             f"{findings.title}: a training will need about {largest / 1000:.1f} GB but this "
-            f"machine has {available / 1000:.1f} GB; lower 'max_image_px' or 'density.max_gaussians'"
+            f"machine has {available / 1000:.1f} GB; lower 'max_image_px' or "
+            "'density.max_gaussians'"
         )
 
 
