@@ -23,8 +23,11 @@ include: "workflow/rules/report.smk"
 rule all:
     default_target: True
     input:
+        "results/doctor/doctor.json",
         "results/table1.csv",
-        collect("results/figures/{scene}_{kind}.png", scene=SCENES, kind=["masks", "views"]),
+        collect(
+            "results/figures/{scene}_{kind}.png", scene=SCENES, kind=["masks", "views"]
+        ),
 
 
 rule ablations:

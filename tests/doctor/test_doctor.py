@@ -50,11 +50,11 @@ class Patient:
         sky = run_settings(Config.model_validate(self.values()), "full", 0, **files).sky
         run_initialise(self.scene, sky, self.results / "place" / "initial.npz")
 
-    def examine(self, stage="scenes"):
+    def examine(self):
         path = self.folder / "mine.yaml"
         path.write_text(yaml.safe_dump(self.values()))
         target = self.folder / "doctor"
-        return examine(path, self.results, target, stage=stage, defaults=self.defaults)
+        return examine(path, self.results, target, defaults=self.defaults)
 
 
 @pytest.fixture
@@ -69,14 +69,14 @@ def made(patient):
 
 
 def facts(patient):
-    return json.loads((patient.folder / "doctor" / "scenes.json").read_text())["place"]["facts"]
+    return json.loads((patient.folder / "doctor" / "doctor.json").read_text())["place"]["facts"]
 
 
 def test_page_of_a_good_scene(made):
     diagnosis = made.examine()
     assert diagnosis.problems == ()
     assert "Nothing stands in the way" in diagnosis.text
-    assert (made.folder / "doctor" / "scenes.md").read_text() == diagnosis.text
+    assert (made.folder / "doctor" / "doctor.md").read_text() == diagnosis.text
     found = facts(made)
     assert found["photos"] == "4 (3 training, 1 test)"
     assert found["sizes"] == "64x48 px (4)"
@@ -93,11 +93,12 @@ def test_page_of_a_good_scene(made):
     assert (np.abs(picture.astype(int) - (255, 0, 140)).sum(axis=-1) < 30).sum() > 100
 
 
-def test_sources_need_no_import(patient):
-    diagnosis = patient.examine("sources")
+def test_page_before_the_import(patient):
+    diagnosis = patient.examine()
     assert diagnosis.problems == ()
     assert "views with an environment map | 1" in diagnosis.text
-    assert (patient.folder / "doctor" / "sources.json").is_file()
+    assert "| not yet |" in diagnosis.text
+    assert (patient.folder / "doctor" / "doctor.json").is_file()
 
 
 def env_map(patient, shape):
@@ -128,11 +129,11 @@ BROKEN_SOURCES = {
 @pytest.mark.parametrize("name", BROKEN_SOURCES)
 def test_broken_source_is_a_problem_before_the_import(patient, name):
     spoil, said = BROKEN_SOURCES[name]
-    assert patient.examine("sources").problems == ()
+    assert patient.examine().problems == ()
     spoil(patient)
-    (problem,) = patient.examine("sources").problems
+    (problem,) = patient.examine().problems
     assert said in problem
-    assert not (patient.folder / "doctor" / "sources.json").exists()
+    assert not (patient.folder / "doctor" / "doctor.json").exists()
 
 
 @pytest.mark.parametrize("count", [1, 2])
@@ -141,7 +142,7 @@ def test_one_photo_is_too_few(patient, tmp_path, count):
         write_image(tmp_path / "few" / f"{number}.jpg", np.zeros((48, 64, 3), np.uint8))
     write_image(tmp_path / "few" / "masks" / "0.png", np.zeros((48, 64), np.uint8))
     patient.entry = {"format": "photos", "path": str(tmp_path / "few")}
-    (problem,) = patient.examine("sources").problems
+    (problem,) = patient.examine().problems
     assert f"few: {count} photo{'s are' if count > 1 else ' is'} here, but at least 3" in problem
 
 
@@ -192,7 +193,7 @@ def test_all_problems_of_all_scenes_are_told(made):
     (made.results / "place" / "initial.npz").unlink()
     problems = made.examine().problems
     assert len(problems) == 3
-    assert not (made.folder / "doctor" / "scenes.json").exists()
+    assert not (made.folder / "doctor" / "doctor.json").exists()
 
 
 def test_too_little_memory_is_a_problem(made, monkeypatch):
@@ -209,14 +210,14 @@ def test_wrong_settings_are_a_problem(patient):
             "train": {"iteratoins": 7},
         }
     )
-    problems = patient.examine("sources").problems
+    problems = patient.examine().problems
     assert "unknown key 'iteratoins'; did you mean 'iterations'?" in problems[0]
 
 
 def test_command_exits_with_one_line_per_problem(patient, tmp_path, repository):
     patient.entry["path"] = "nowhere"
     (tmp_path / "mine.yaml").write_text(yaml.safe_dump(patient.values()))
-    arguments = ["--config", "mine.yaml", "--stage", "sources", "--target", "page"]
+    arguments = ["--config", "mine.yaml", "--target", "page"]
     arguments += ["--defaults", str(repository / "config")]
     done = subprocess.run(
         [sys.executable, "-m", "r3gw", "doctor", *arguments],
@@ -227,4 +228,34 @@ def test_command_exits_with_one_line_per_problem(patient, tmp_path, repository):
         "r3gw doctor: nowhere: no such file or folder; correct 'path' of scene 'place'"
     ]
     assert "A run would fail. 1 problem, 0 warnings." in done.stdout
-    assert (tmp_path / "page" / "sources.md").is_file()
+    assert (tmp_path / "page" / "doctor.md").is_file()
+
+
+def command(*arguments):
+    line = [sys.executable, "-m", "r3gw", *arguments]
+    return subprocess.run(line, capture_output=True, text=True, check=False)
+
+
+def test_gate_before_the_import(patient, tmp_path):
+    target = tmp_path / "checked.json"
+    wanted = ["check-source", "--scene", "place", "--target", str(target), "--entry"]
+    assert command(*wanted, json.dumps(patient.entry)).returncode == 0
+    assert json.loads(target.read_text())["problems"] == []
+    target.unlink()
+    done = command(*wanted, json.dumps(patient.entry | {"path": "nowhere"}))
+    assert done.returncode == 1
+    assert done.stderr.startswith("r3gw doctor: nowhere: no such file or folder")
+    assert not target.exists()
+
+
+def test_gate_before_the_training(made, tmp_path):
+    target = tmp_path / "checked.json"
+    wanted = ["check-scene", "--scene", "place", "--results", str(made.results)]
+    assert command(*wanted, "--target", str(target)).returncode == 0
+    assert json.loads(target.read_text())["facts"]["polarity"] == "4 upright"
+    target.unlink()
+    (made.masks / "is_sky" / f"{load_scene(made.scene).views[0].name}.png").unlink()
+    done = command(*wanted, "--target", str(target))
+    assert done.returncode == 1
+    assert "no such picture" in done.stderr
+    assert not target.exists()

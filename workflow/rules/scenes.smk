@@ -4,13 +4,14 @@
 rule generate:
     input:
         code=library("synthetic"),
-        checked=ancient("results/doctor/sources.json"),
+        checked="results/{scene}/checked_source.json",
     output:
         directory("results/{scene}/source"),
     log:
         "logs/generate/{scene}.log",
     wildcard_constraints:
         scene="|".join(SYNTHETIC) or "none",
+    priority: 10
     params:
         entry=entry_json,
     shell:
@@ -21,12 +22,13 @@ rule import_scene:
     input:
         code=library("sfm"),
         source=scene_source,
-        checked=ancient("results/doctor/sources.json"),
+        checked="results/{scene}/checked_source.json",
     output:
         "results/{scene}/scene/scene.json",
         "results/{scene}/scene/points.npz",
     log:
         "logs/import/{scene}.log",
+    priority: 10
     threads: 2
     params:
         entry=entry_json,
@@ -44,6 +46,7 @@ rule masks:
         "results/{scene}/masks/masks.json",
     log:
         "logs/masks/{scene}.log",
+    priority: 10
     params:
         sources=mask_sources,
     shell:
@@ -60,6 +63,7 @@ rule initialise:
         "results/{scene}/initial.npz",
     log:
         "logs/initialise/{scene}.log",
+    priority: 10
     params:
         sky=sky_json,
     shell:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Literal
 
 from r3gw.doctor.findings import Findings
 from r3gw.doctor.imported import (
@@ -17,12 +16,9 @@ from r3gw.doctor.pictures import up_picture
 from r3gw.doctor.source import examine_source
 from r3gw.doctor.training import Runs, describe_training
 from r3gw.files import atomic_path, write_json
-from r3gw.scene import load_scene
+from r3gw.scene import Scene, load_scene
 from r3gw.settings import Config, TrainSettings, load_config, run_settings
 from r3gw.settings.validation import read_yaml
-
-Stage = Literal["sources", "scenes"]
-_TITLES = {"sources": "sources of the scenes", "scenes": "imported scenes and their masks"}
 
 
 @dataclass(frozen=True)
@@ -33,41 +29,64 @@ class Diagnosis:
     problems: tuple[str, ...]
 
 
-def examine(
-    config_file: Path, results: Path, target: Path, *, stage: Stage, defaults: Path
-) -> Diagnosis:
+def examine(config_file: Path, results: Path, target: Path, *, defaults: Path) -> Diagnosis:
     """Examine all scenes of a configuration.
 
     Args:
         config_file: The configuration (config.yaml or the same as JSON).
-        results: Folder of results; its imported scenes are looked at.
-        target: Folder of the page. Gets ``<stage>.md``, a picture per scene (stage scenes) and,
-            only if there is no problem, ``<stage>.json``.
-        stage: ``sources`` looks only at what scenes are made from, which takes seconds;
-            ``scenes`` looks at sources and at imported scenes, masks and settings.
+        results: Folder of results; what is already imported there is looked at.
+        target: Folder of the page. Gets ``doctor.md``, a picture per imported scene and, only if
+            there is no problem, ``doctor.json``.
         defaults: Folder of train.yaml and variants.yaml.
 
     Raises:
         InputError: If the configuration itself is wrong.
     """
     config = load_config(read_yaml(config_file), str(config_file))
-    record = target / f"{stage}.json"
+    record = target / "doctor.json"
     record.unlink(missing_ok=True)
-    runs = Findings("settings")
-    resolved = _runs(config, defaults, runs)
-    sections = [runs]
+    settings = Findings("settings")
+    runs = _runs(config, defaults, settings)
+    sections = [settings]
     for name in sorted(config.scenes):
         findings = examine_source(name, config.scenes[name])
-        if stage == "scenes":
-            _examine_imported(results / name, target, resolved, findings)
+        if (results / name / "scene" / "scene.json").is_file():
+            scene = examine_scene(results / name, findings)
+            if scene is not None:
+                _draw_up(scene, results / name / "scene", target, findings)
+                describe_training(scene, results / name / "initial.npz", runs, findings)
+        else:
+            findings.facts["imported"] = "not yet"
         sections.append(findings)
-    text = page(sections, _TITLES[stage])
-    with atomic_path(target / f"{stage}.md") as path:
+    text = page(sections)
+    with atomic_path(target / "doctor.md") as path:
         path.write_text(text)
-    problems = tuple(problem for section in sections for problem in section.problems)
-    if not problems:
+    if not (problems := tuple(problem for section in sections for problem in section.problems)):
         write_json(record, {section.title: section.as_json() for section in sections})
     return Diagnosis(text, problems)
+
+
+def examine_scene(folder: Path, findings: Findings) -> Scene | None:
+    """Look at an imported scene and its masks; None if it cannot be read.
+
+    Args:
+        folder: Results of the scene: scene/ and masks/.
+        findings: Gets what was found.
+    """
+    scene = findings.attempt(partial(load_scene, folder / "scene"))
+    if scene is None:
+        return None
+    describe_scene(scene, folder / "scene", findings)
+    describe_masks(scene, folder / "masks", findings)
+    describe_up(scene, findings)
+    describe_lighting(scene, folder / "scene", findings)
+    return scene
+
+
+def _draw_up(scene: Scene, scene_folder: Path, target: Path, findings: Findings) -> None:
+    picture = f"{findings.title}_up.png"
+    findings.attempt(partial(up_picture, scene.views, scene_folder, target / picture))
+    findings.picture = picture if (target / picture).is_file() else None
 
 
 def _runs(config: Config, defaults: Path, findings: Findings) -> Runs:
@@ -86,18 +105,3 @@ def _runs(config: Config, defaults: Path, findings: Findings) -> Runs:
     lengths = sorted({settings.iterations for settings in runs.values()})
     findings.facts["iterations"] = ", ".join(f"{length:,}" for length in lengths)
     return runs
-
-
-def _examine_imported(folder: Path, target: Path, runs: Runs, findings: Findings) -> None:
-    scene_folder = folder / "scene"
-    scene = findings.attempt(lambda: load_scene(scene_folder))
-    if scene is None:
-        return
-    describe_scene(scene, scene_folder, findings)
-    describe_masks(scene, folder / "masks", findings)
-    describe_up(scene, findings)
-    picture = f"{findings.title}_up.png"
-    findings.attempt(lambda: up_picture(scene.views, scene_folder, target / picture))
-    findings.picture = picture if (target / picture).is_file() else None
-    describe_lighting(scene, scene_folder, findings)
-    describe_training(scene, folder / "initial.npz", runs, findings)

@@ -5,18 +5,17 @@ from collections.abc import Sequence
 from r3gw.doctor.findings import Findings
 
 
-def page(sections: Sequence[Findings], stage: str) -> str:
+def page(sections: Sequence[Findings]) -> str:
     """All findings as Markdown, the verdict first.
 
     Args:
         sections: What was found, scene by scene.
-        stage: What was looked at, for the headline.
     """
     problems = sum(len(section.problems) for section in sections)
     warnings = sum(len(section.warnings) for section in sections)
     verdict = "Nothing stands in the way of a run." if not problems else "A run would fail."
     counts = f"{_number(problems, 'problem')}, {_number(warnings, 'warning')}."
-    lines = [f"# Doctor: {stage}", "", f"{verdict} {counts}"]
+    lines = ["# Doctor", "", f"{verdict} {counts}"]
     for section in sections:
         lines += ["", f"## {section.title}", "", *_facts(section)]
         remarks = [f"- **Problem:** {problem}" for problem in section.problems]

@@ -37,10 +37,9 @@ def describe_training(scene: Scene, initial: Path, runs: Runs, findings: Finding
     pixels = [view.width * view.height for view in train]
     costs = [_cost(settings, foreground + sky, pixels) for settings in runs.values()]
     longest, largest = max(c.seconds for c in costs), max(c.memory_mb for c in costs)
-    findings.facts["time"] = (
-        f"about {spoken_time(longest)} per training on one core, "
-        f"{spoken_time(sum(c.seconds for c in costs))} for all {len(costs)}"
-    )
+    total = spoken_time(sum(cost.seconds for cost in costs))
+    all_of_them = f", {total} for all {len(costs)}" if len(costs) > 1 else ""
+    findings.facts["time"] = f"about {spoken_time(longest)} per training on one core{all_of_them}"
     findings.facts["memory"] = f"about {largest / 1000:.1f} GB per training"
     available = physical_memory_mb()
     if largest > available:
