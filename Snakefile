@@ -13,6 +13,7 @@ if "scenes" not in config:
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/check.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/train.smk"
 include: "workflow/rules/evaluate.smk"
@@ -22,8 +23,11 @@ include: "workflow/rules/report.smk"
 rule all:
     default_target: True
     input:
+        "results/doctor/doctor.json",
         "results/table1.csv",
-        collect("results/figures/{scene}_views.png", scene=SCENES),
+        collect(
+            "results/figures/{scene}_{kind}.png", scene=SCENES, kind=["masks", "views"]
+        ),
 
 
 rule ablations:

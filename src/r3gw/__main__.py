@@ -4,7 +4,7 @@ import sys
 
 import click
 
-from r3gw.cli import data, report, runs, use  # noqa: F401 - importing them registers the commands
+from r3gw.cli import check, data, report, runs, use  # noqa: F401 - registers them
 from r3gw.cli.group import cli
 from r3gw.files import InputError
 

@@ -15,5 +15,6 @@ LAYERS = (
     ("relighting",),
     ("export",),
     ("reporting",),
+    ("doctor",),
     ("cli",),
 )

@@ -109,6 +109,17 @@ def test_table_holds_finite_figures(finished):
     assert table.loc[0, "iterations"] == 40
 
 
+def test_doctor_looked_before_the_training(finished):
+    page = (finished / "results/doctor/doctor.md").read_text()
+    assert "Nothing stands in the way of a run." in page
+    assert (finished / "results/doctor/tiny_up.png").is_file()
+    assert (finished / "results/figures/tiny_masks.png").is_file()
+    scene = finished / "results/tiny"
+    made = ("checked_source.json", "scene/scene.json", "checked.json", "full/seed0/model.pt")
+    times = [(scene / name).stat().st_mtime_ns for name in made]
+    assert times == sorted(times)
+
+
 def test_second_run_does_nothing(finished):
     assert planned(finished, "all") == set()
 
@@ -117,7 +128,7 @@ def test_edited_settings_retrain_but_do_not_render(finished):
     changed = CONFIG | {"train": CONFIG["train"] | {"iterations": 41}}
     rules = planned(finished, "all", changed)
     assert {"write_settings", "train", "evaluate", "table1"} <= rules
-    assert not {"generate", "import_scene", "masks"} & rules
+    assert not {"generate", "import_scene", "masks", "check_scene"} & rules
 
 
 @pytest.mark.parametrize(
@@ -126,6 +137,7 @@ def test_edited_settings_retrain_but_do_not_render(finished):
         ("shading/cook_torrance.py", {"train", "evaluate"}, {"generate", "masks"}),
         ("raster/csrc/projection.cpp", {"train"}, {"generate"}),
         ("reporting/tables.py", {"table1"}, {"train", "evaluate"}),
+        ("doctor/page.py", {"doctor"}, {"generate", "import_scene", "check_scene", "train"}),
     ],
 )
 def test_edited_code_reruns_what_depends_on_it(finished, source, reruns, keeps):

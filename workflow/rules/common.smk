@@ -13,7 +13,9 @@ try:
 except InputError as error:
     raise WorkflowError(str(error))
 
-PUBLISHED = f"{workflow.basedir}/config/published.csv"
+DEFAULTS = f"{workflow.basedir}/config"
+TRAIN_FILE, VARIANTS_FILE = f"{DEFAULTS}/train.yaml", f"{DEFAULTS}/variants.yaml"
+PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
 VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})
@@ -52,6 +54,11 @@ def library(package):
     return sorted(str(p) for p in sources if p.suffix in {".py", ".cpp", ".h"})
 
 
+def config_json():
+    """The whole configuration of this run, as JSON."""
+    return CONFIG.model_dump_json()
+
+
 def entry_json(wildcards):
     """The config entry of a scene, as JSON."""
     return CONFIG.scenes[wildcards.scene].model_dump_json()
@@ -65,9 +72,9 @@ def scene_source(wildcards):
     return entry.path
 
 
-def sky_masks(wildcards):
-    """Where the sky masks of a scene come from."""
-    return CONFIG.scenes[wildcards.scene].sky_masks
+def mask_sources(wildcards):
+    """Where the masks of a scene come from, as JSON."""
+    return CONFIG.scenes[wildcards.scene].mask_sources().model_dump_json()
 
 
 def resolved(variant, seed):
@@ -77,8 +84,8 @@ def resolved(variant, seed):
             CONFIG,
             variant,
             seed,
-            train_file=Path(workflow.basedir) / "config/train.yaml",
-            variants_file=Path(workflow.basedir) / "config/variants.yaml",
+            train_file=Path(TRAIN_FILE),
+            variants_file=Path(VARIANTS_FILE),
         )
     except InputError as error:
         raise WorkflowError(str(error))

@@ -1,7 +1,6 @@
 """Commands that make and check data: from a dataset or photos to masks and initial points."""
 
 from pathlib import Path
-from typing import Literal
 
 import click
 
@@ -55,19 +54,15 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
 @cli.command()
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--target", type=FOLDER, required=True, help="Folder of the masks.")
-@click.option(
-    "--sky",
-    type=click.Choice(["given", "classical", "given-or-classical"]),
-    required=True,
-    help="Where sky masks come from.",
-)
-def masks(
-    scene: Path, target: Path, sky: Literal["given", "classical", "given-or-classical"]
-) -> None:
+@click.option("--sources", required=True, help="Where masks come from, as JSON: the entry's keys.")
+def masks(scene: Path, target: Path, sources: str) -> None:
     """Check given masks and make missing ones."""
     from r3gw.masks import make_masks
+    from r3gw.settings import MaskSources
 
-    make_masks(scene, target, sky=sky)
+    make_masks(
+        scene, target, validated(MaskSources, json_object(sources, "--sources"), "--sources")
+    )
 
 
 @cli.command()

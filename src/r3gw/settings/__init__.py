@@ -12,14 +12,18 @@ from r3gw.settings.config import (
     load_config,
     run_settings,
 )
+from r3gw.settings.masks import LabelClasses, MaskSources, NetworkSettings
 from r3gw.settings.train import TrainSettings, load_train_settings
 
 __all__ = [
     "ColmapScene",
     "Config",
+    "LabelClasses",
+    "MaskSources",
     "NerfOsrOriginalScene",
     "NerfOsrScene",
     "NerfstudioScene",
+    "NetworkSettings",
     "PhotosScene",
     "SceneSettings",
     "SyntheticScene",

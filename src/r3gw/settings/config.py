@@ -7,13 +7,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from r3gw.files import InputError
+from r3gw.settings.masks import MaskSources, SkyMasks
 from r3gw.settings.train import TrainSettings
 from r3gw.settings.validation import Strict, read_yaml, validated
 
 SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
 
-class SyntheticScene(Strict):
+class SyntheticScene(MaskSources):
     """A scene of the embedded benchmark, made by the project itself."""
 
     format: Literal["synthetic"]
@@ -26,10 +27,10 @@ class SyntheticScene(Strict):
     samples: int = Field(20, ge=1)
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
-    sky_masks: Literal["given", "classical", "given-or-classical"] = "given"
+    sky_masks: SkyMasks = "given"
 
 
-class NerfOsrScene(Strict):
+class NerfOsrScene(MaskSources):
     """A NeRF-OSR scene as LumiGauss prepared it (docs/data.md)."""
 
     format: Literal["nerf-osr"]
@@ -37,17 +38,15 @@ class NerfOsrScene(Strict):
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
     evaluated_views: list[str] = Field(default_factory=list)
-    sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
 
 
-class _PosedScene(Strict):
+class _PosedScene(MaskSources):
     """Photos with known cameras, in a world of any scale and, maybe, any tilt."""
 
     path: str
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(10.0, gt=0)
     up: Literal["estimated", "given"] = "estimated"
-    sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
 
 
 class NerfOsrOriginalScene(_PosedScene):
@@ -68,7 +67,7 @@ class NerfstudioScene(_PosedScene):
     format: Literal["nerfstudio"]
 
 
-class PhotosScene(Strict):
+class PhotosScene(MaskSources):
     """A folder of anybody's photos, or a video."""
 
     format: Literal["photos"]
@@ -77,7 +76,6 @@ class PhotosScene(Strict):
     extent: float | None = Field(10.0, gt=0)
     matching: Literal["exhaustive", "sequential"] | None = None
     video_frames: int = Field(100, ge=3)
-    sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
 
 
 SceneSettings = Annotated[
