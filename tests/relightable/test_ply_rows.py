@@ -33,7 +33,7 @@ def test_what_an_independent_writer_wrote_is_read(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda text: b"", "no binary little-endian PLY header"),
+        (lambda _: b"", "no binary little-endian PLY header"),
         (lambda text: text.replace(b"little", b"big"), "no binary little-endian PLY header"),
         (lambda text: text.replace(b"float y", b"double y"), "unexpected line 'property double y'"),
         (lambda text: text[:-1], "17 bytes of rows, 18 expected"),
