@@ -32,34 +32,43 @@ struct BlockState {
   Lanes gradient[Width];        // v
 };
 
-// Loads v and starts R. Returns whether any pixel of the block has a gradient.
+// Loads v and starts R. Returns the blocks that have a pixel with a gradient.
 template <int Width>
-bool load_block(const Frame& frame, const ChannelPass& pass, const ImageGradient& image,
-                const TileWindow& window, int block, BlockState<Width>& state) {
-  const std::int64_t plane = frame.pixels(), offset = pass.first * plane;
-  const auto load_plane = [&](const float* source) {
-    return window.load_pixels(source, frame.width, block);
-  };
-  IntLanes any{};
-  state.transmittance = window.inside(block);
-  state.behind = Lanes{};
+std::uint32_t load_tile(const Frame& frame, const ChannelPass& pass, const ImageGradient& image,
+                        const TileWindow& window, BlockState<Width> (&blocks)[kBlocks]) {
+  Lanes v[kBlocks], drawn[kBlocks];
+  IntLanes any[kBlocks] = {};
+  for (int block = 0; block < kBlocks; ++block) {
+    blocks[block].transmittance = window.inside(block);
+    blocks[block].behind = Lanes{};
+  }
   for (int c = 0; c < Width; ++c) {
-    if (c >= pass.used) {
-      state.gradient[c] = Lanes{};
-      continue;
+    const std::int64_t plane = (pass.first + c) * frame.pixels();
+    const bool used = c < pass.used;
+    if (used) window.load(image.features + plane, frame.width, v);
+    if (used) window.load(image.features_drawn + plane, frame.width, drawn);
+    for (int block = 0; block < kBlocks; ++block) {
+      BlockState<Width>& state = blocks[block];
+      state.gradient[c] = used ? v[block] : Lanes{};
+      if (!used) continue;
+      state.behind = fma(v[block], drawn[block], state.behind);
+      any[block] |= v[block] != 0.0f;
     }
-    const Lanes v = load_plane(image.features + offset + c * plane);
-    const Lanes drawn = load_plane(image.features_drawn + offset + c * plane);
-    state.gradient[c] = v;
-    state.behind = fma(v, drawn, state.behind);
-    any |= v != 0.0f;
   }
   if (image.alpha != nullptr) {
-    const Lanes v = load_plane(image.alpha);
-    state.behind = minus_product(state.behind, v, 1.0f - load_plane(image.alpha_drawn));
-    any |= v != 0.0f;
+    window.load(image.alpha, frame.width, v);
+    window.load(image.alpha_drawn, frame.width, drawn);
+    for (int block = 0; block < kBlocks; ++block) {
+      Lanes& behind = blocks[block].behind;
+      behind = minus_product(behind, v[block], 1.0f - drawn[block]);
+      any[block] |= v[block] != 0.0f;
+    }
   }
-  return bits(bit_set(any, any)) != 0;
+  std::uint32_t wanted = 0;
+  for (int block = 0; block < kBlocks; ++block) {
+    wanted |= std::uint32_t{bits(bit_set(any[block], any[block])) != 0} << block;
+  }
+  return wanted;
 }
 
 // Moments and the first `Columns` feature gradients of one entry over the blocks of `mask`.
@@ -107,10 +116,7 @@ void tile_gradient(Frame& frame, int tile, const ChannelPass& pass, const ImageG
   const TileWindow window(frame, tile);
   const BlockCentres centres(window.left, window.top);
   BlockState<Width> blocks[kBlocks];
-  std::uint32_t wanted = 0;
-  for (int block = 0; block < kBlocks; ++block) {
-    if (load_block(frame, pass, image, window, block, blocks[block])) wanted |= 1u << block;
-  }
+  const std::uint32_t wanted = load_tile(frame, pass, image, window, blocks);
   const std::int64_t begin = frame.first_entry[tile];
   const std::uint32_t used = frame.used_entries[tile];
   float* result = frame.gradient_rows.data() + frame.first_gradient[tile] * kResult;
