@@ -14,24 +14,28 @@ from r3gw.cli.group import FILE, FOLDER, cli
 @click.argument("metrics", nargs=-1, required=True, type=FILE)
 def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path, ...]) -> None:
     """Make tables from the metrics.json files of any number of runs."""
+    from r3gw.reporting import listings
     from r3gw.reporting import tables as make
 
     if kind == "table1":
-        make.runs_table(metrics, target / "runs.csv")
-        make.decomposition(metrics, target / "decomposition.csv")
+        listings.images_table(metrics, target / "images.csv")
+        listings.runs_table(metrics, target / "runs.csv")
+        listings.decomposition(metrics, target / "decomposition.csv")
+        listings.cost(metrics, target / "cost.csv")
         make.table1(metrics, published, target / "table1.csv")
     else:
-        make.runs_table(metrics, target / "ablation_runs.csv")
+        listings.runs_table(metrics, target / "ablation_runs.csv")
         make.ablations(metrics, target / "ablations.csv")
 
 
 @cli.command()
 @click.option("--name", required=True, help="Scene name, the beginning of the files' names.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
 @click.option("--target", type=FOLDER, required=True, help="Folder of the figures.")
 @click.argument("runs", nargs=-1, required=True, type=FOLDER)
-def figures(name: str, scene: Path, target: Path, runs: tuple[Path, ...]) -> None:
+def figures(name: str, scene: Path, masks: Path, target: Path, runs: tuple[Path, ...]) -> None:
     """Draw the figures of a scene from its evaluated runs; the first run is the main one."""
     from r3gw.reporting.figures import scene_figures
 
-    scene_figures(name, scene, runs, target)
+    scene_figures(name, scene, masks, runs, target)
