@@ -39,3 +39,27 @@ def figures(name: str, scene: Path, masks: Path, target: Path, runs: tuple[Path,
     from r3gw.reporting.figures import scene_figures
 
     scene_figures(name, scene, masks, runs, target)
+
+
+@cli.command()
+@click.option("--results", type=FOLDER, required=True, help="Folder of tables and scenes.")
+@click.option("--scene", "scenes", multiple=True, required=True, help="A scene; repeatable.")
+@click.option(
+    "--variant", "variants", multiple=True, required=True, help="Variants, the main one first."
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the runs shown.")
+@click.option("--target", type=FILE, required=True, help="The page (.html).")
+def report(
+    results: Path, scenes: tuple[str, ...], variants: tuple[str, ...], seed: int, target: Path
+) -> None:
+    """Write one self-contained HTML page: tables, test views, and every scene in detail."""
+    from r3gw.reporting.report import write_report
+    from r3gw.reporting.scene_page import SceneFolders
+
+    folders = [
+        SceneFolders(
+            results / name, tuple(results / name / variant / f"seed{seed}" for variant in variants)
+        )
+        for name in scenes
+    ]
+    write_report(results, folders, target)

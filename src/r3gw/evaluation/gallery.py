@@ -46,7 +46,7 @@ def evenly(items: Sequence[Item], count: int) -> list[Item]:
 def write_gallery(bench: Bench, folder: Path) -> None:
     """Render two views under a turning map and under learned lights; relit.json is last."""
     views = evenly(bench.scene.split("test") or bench.scene.split("train"), NUM_VIEWS)
-    name, light, env_map = _map_source(bench, views[0])
+    name, light, env_map = _map_source(bench)
     yaws_deg = [round(360 * i / NUM_YAWS) for i in range(NUM_YAWS)]
     for yaw_deg in yaws_deg:
         turned = rotate(light, rotation_about_axis(1, radians(yaw_deg)))
@@ -86,23 +86,38 @@ def _photos_of_sessions(views: Sequence[View]) -> list[str]:
     return evenly(sorted(first.values()), NUM_LIGHTS)
 
 
-def _map_source(bench: Bench, view: View) -> Source:
-    """The view's true HDR map in the photo's units; its LDR map; or a learned light.
+def _map_source(bench: Bench) -> Source:
+    """The most directional of the maps that come with the scene; else of the learned lights."""
+    test = bench.scene.split("test")
+    sources = [_map_of(bench, view) for view in test if view.truth or view.evaluation]
+    if not sources:
+        for photo in bench.model.photos:
+            light = photo_light(bench.model, photo)[0]
+            drawn = envmap.draw(light, THUMBNAIL_PX)
+            sources.append((f"light learned for {photo}", light, drawn))
+    return max(sources, key=lambda source: _directionality(source[1]))
+
+
+def _directionality(light: Float[Tensor, "coeff 3"]) -> float:
+    """Strength of band 1 over that of band 0: 0 for a uniform light."""
+    return float(light[1:4].norm() / light[0].norm())
+
+
+def _map_of(bench: Bench, view: View) -> Source:
+    """A test view's true HDR map in the photo's units, or its LDR map.
 
     An LDR map knows no units, so it is brought to the mean strength of the learned lights.
     """
-    degree = bench.light_degree
     if view.truth is not None:
         path = bench.scene_folder / view.truth.env_map
-        return "true HDR map", bench.true_light(view.truth), envmap.read_env_map(path)
-    photos = bench.model.photos
-    if view.evaluation is not None:
-        path = bench.scene_folder / view.evaluation.env_map
-        env_map = envmap.read_env_map(path)
-        if path.suffix.lower() in LDR_SUFFIXES:
-            env_map = linear_from_display(env_map)
-        light = map_light(path, degree)
-        strength = torch.stack([photo_light(bench.model, name)[0][0] for name in photos]).mean()
-        return "the session's map", light * strength / light[0].mean(), env_map
-    light = photo_light(bench.model, view.name)[0]
-    return f"the light learned for {view.name}", light, envmap.draw(light, THUMBNAIL_PX)
+        name = f"true map of {view.session or view.name}"
+        return name, bench.true_light(view.truth), envmap.read_env_map(path)
+    assert view.evaluation is not None  # the caller's choice
+    path = bench.scene_folder / view.evaluation.env_map
+    env_map = envmap.read_env_map(path)
+    if path.suffix.lower() in LDR_SUFFIXES:
+        env_map = linear_from_display(env_map)
+    light = map_light(path, bench.light_degree)
+    lights = [photo_light(bench.model, photo)[0] for photo in bench.model.photos]
+    strength = torch.stack(lights)[:, 0].mean()
+    return f"map of {view.session or view.name}", light * strength / light[0].mean(), env_map

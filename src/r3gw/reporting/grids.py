@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 
 from r3gw.evaluation.bench import scored_pixels
 from r3gw.evaluation.gallery import light_picture
-from r3gw.evaluation.pictures import bytes_from_display, normal_picture
+from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.files import InputError
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.lighting import envmap
 from r3gw.reporting.evaluated import Evaluated
 from r3gw.reporting.style import Cell, Scale, picture_grid
-from r3gw.scene import GroundTruth, Scene, View
+from r3gw.reporting.truth import truth_pictures
+from r3gw.scene import Scene, View
 
 NUM_DECOMPOSED = 2
 NUM_LIGHTS = 24
@@ -55,13 +56,13 @@ def view_grid(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) -> Fi
         first = None if photo is None else Cell(photo, thumbnail=light)
         rows.append([first, cells[0], error, *cells[1:]])
     titles = [f"{run.label}\n{PROTOCOL_TITLES[protocol]}" for run, protocol in columns]
-    titles = ["photo", titles[0], "error of\nthe former", *titles[1:]]
+    titles = ["photo", titles[0], "its error", *titles[1:]]
     return picture_grid(rows, titles, [view.name for view in views], scales=[ERROR])
 
 
 def absolute_error(render: NDArray[np.uint8], photo: NDArray[np.uint8]) -> NDArray[np.floating]:
     """Mean absolute difference over the channels, display units: ``[H, W]``."""
-    return np.abs(render.astype(np.float64) - photo).mean(axis=-1) / 255.0
+    return np.asarray(np.abs(render.astype(np.float64) - photo).mean(axis=-1) / 255.0)
 
 
 def _light_of(scene_folder: Path, view: View) -> NDArray[np.uint8] | None:
@@ -86,7 +87,8 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figu
         names.append("model")
         photo = _cell(run.picture(view.name, "truth"))
         if view.truth is not None:
-            rows.append([photo, *_truth_cells(view.truth, scene_folder), truth, None, None])
+            true = truth_pictures(view.truth, scene_folder)
+            rows.append([photo, Cell(true["albedo"]), Cell(true["normal"]), truth, None, None])
         else:
             rows.append([photo, *[None] * 5])
         names.append("truth" if view.truth is not None else "photo")
@@ -124,13 +126,6 @@ def light_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
 
 def _cell(picture: NDArray[np.uint8] | None, label: str = "") -> Cell | None:
     return None if picture is None else Cell(picture, label)
-
-
-def _truth_cells(truth: GroundTruth, folder: Path) -> list[Cell]:
-    albedo, normal = read_linear(folder / truth.albedo), read_linear(folder / truth.normal)
-    is_surface = np.linalg.norm(normal, axis=-1, keepdims=True) > 0.5
-    shown = np.where(is_surface, display_array_from_linear(albedo), 1.0)
-    return [Cell(bytes_from_display(shown)), Cell(normal_picture(normal))]
 
 
 def _depth_cells(run: Evaluated, view: View, folder: Path) -> tuple[Cell, Cell | None]:

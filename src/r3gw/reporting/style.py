@@ -16,6 +16,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.rcsetup import cycler
 from numpy.typing import NDArray
 
+from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.files import atomic_path
 
 # Okabe and Ito (2008): told apart by colour-blind readers too.
@@ -81,7 +82,7 @@ class Scale:
         """Values ``[H, W]`` as a picture; what is not known is light grey."""
         share = np.clip((values - self.low) / max(self.high - self.low, 1e-9), 0.0, 1.0)
         picture = matplotlib.colormaps[self.colours](share)[..., :3]
-        return np.rint(255 * np.where(is_known[..., None], picture, UNKNOWN)).astype(np.uint8)
+        return bytes_from_display(np.where(is_known[..., None], picture, UNKNOWN))
 
 
 @contextmanager
@@ -101,7 +102,7 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 def save(figure: Figure, target: Path, *, as_pdf: bool) -> None:
     """Write ``target`` (.png) and, for plots, the same name as .pdf; no dates inside."""
     with atomic_path(target) as path:
-        figure.savefig(path, dpi=DPI, metadata={"Software": None}, pil_kwargs={"optimize": True})
+        figure.savefig(path, dpi=DPI, metadata={"Software": None})
     if as_pdf:
         with atomic_path(target.with_suffix(".pdf")) as path:
             figure.savefig(path, metadata={"CreationDate": None, "Producer": None})
@@ -163,7 +164,7 @@ def _draw_bars(
         )
         mappable = ScalarMappable(Normalize(scale.low, scale.high), scale.colours)
         bar = figure.colorbar(mappable, cax=axes)
-        bar.outline.set_linewidth(0.4)  # type: ignore[operator]
+        bar.outline.set_linewidth(0.4)
         bar.ax.tick_params(labelsize=6, width=0.4, length=2)
         bar.set_label(scale.title, size=6.5)
 
