@@ -17,14 +17,13 @@ from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.masks import load_masks
 from r3gw.reporting.evaluated import Evaluated
 from r3gw.reporting.style import Cell, Scale, picture_grid
+from r3gw.reporting.truth import depth_scale
 from r3gw.scene import Scene, View
 
 NUM_ROWS = 3
 CROP_SHARE = 0.28  # of the picture's width and height
 ANGLE_ERROR = Scale("magma", 0.0, 60.0, "angular error (degrees)")
 DEPTH_ERROR = Scale("magma", 0.0, 0.25, "relative depth error")
-DEPTH_COLOURS = "viridis"
-NEAR_FAR_QUANTILES = (0.02, 0.92)  # the far background would take most of the colours
 CENTRED = 0.8  # how much a window at the side counts less than one in the middle
 
 Row = list[Cell | None]
@@ -39,9 +38,7 @@ def depth_figure(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) ->
         t[..., 0] if t is not None else runs[0].depth(view.name)
         for view, t in zip(views, known, strict=True)
     ]
-    values = np.concatenate([depth[depth > 0] for depth in shown])
-    low, high = np.quantile(values, NEAR_FAR_QUANTILES) if len(values) else (0.0, 1.0)
-    scale = Scale(DEPTH_COLOURS, float(low), float(high), "depth (world units)")
+    scale = depth_scale(shown)
     rows = []
     for view in views:
         row: Row = [_photo(runs[0], view)]

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
-import matplotlib
 import numpy as np
 import torch
 from matplotlib.figure import Figure
@@ -15,11 +14,11 @@ from r3gw.evaluation.gallery import light_picture
 from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.files import InputError
 from r3gw.imaging.colour import display_array_from_linear
-from r3gw.imaging.files import read_linear, read_rgb
+from r3gw.imaging.files import read_rgb
 from r3gw.lighting import envmap
 from r3gw.reporting.evaluated import Evaluated
 from r3gw.reporting.style import Cell, Scale, picture_grid
-from r3gw.reporting.truth import truth_pictures
+from r3gw.reporting.truth import depth_pictures, truth_pictures
 from r3gw.scene import Scene, View
 
 NUM_DECOMPOSED = 2
@@ -79,16 +78,19 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figu
     views = scene.split("test") or scene.split("train")
     pictured = [view for view in views if run.picture(view.name, "albedo") is not None]
     for view in pictured[:NUM_DECOMPOSED]:
-        ours, truth = _depth_cells(run, view, scene_folder)
+        depths = depth_pictures(run.depth(view.name), view.truth, scene_folder)
         protocol = run.protocol_of(view.name)
         kinds = ("albedo", "normal", "", "sky", "foreground")
-        parts = [_cell(run.picture(view.name, kind)) if kind else ours for kind in kinds]
+        depth = Cell(depths.ours, depths.label)
+        parts = [_cell(run.picture(view.name, kind)) if kind else depth for kind in kinds]
         rows.append([_cell(run.picture(view.name, protocol), view.name), *parts])
         names.append("model")
         photo = _cell(run.picture(view.name, "truth"))
         if view.truth is not None:
             true = truth_pictures(view.truth, scene_folder)
-            rows.append([photo, Cell(true["albedo"]), Cell(true["normal"]), truth, None, None])
+            rows.append(
+                [photo, Cell(true["albedo"]), Cell(true["normal"]), _cell(depths.truth), None, None]
+            )
         else:
             rows.append([photo, *[None] * 5])
         names.append("truth" if view.truth is not None else "photo")
@@ -126,27 +128,6 @@ def light_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
 
 def _cell(picture: NDArray[np.uint8] | None, label: str = "") -> Cell | None:
     return None if picture is None else Cell(picture, label)
-
-
-def _depth_cells(run: Evaluated, view: View, folder: Path) -> tuple[Cell, Cell | None]:
-    """Rendered and true depth on one colour scale, its ends in the label."""
-    ours = run.depth(view.name)
-    truth = None if view.truth is None else read_linear(folder / view.truth.depth)[..., 0]
-    known = ours if truth is None else truth
-    if (known > 0).any():
-        near, far = (float(q) for q in np.quantile(known[known > 0], (0.02, 0.98)))
-    else:
-        near, far = 0.0, 1.0
-    label = f"{near:.1f} to {far:.1f}"
-    cells = [_depth_cell(d, near, far, label) for d in (ours, truth) if d is not None]
-    return cells[0], cells[1] if len(cells) > 1 else None
-
-
-def _depth_cell(depth: NDArray[np.float32], near: float, far: float, label: str) -> Cell:
-    share = np.clip((depth - near) / max(far - near, 1e-9), 0.0, 1.0)
-    coloured = matplotlib.colormaps["viridis"](share)[..., :3]
-    coloured[depth <= 0] = 1.0
-    return Cell(bytes_from_display(coloured), label)
 
 
 def _thumbnail(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -38,7 +38,8 @@ def figure_uri(figure: Figure) -> str:
     with BytesIO() as stream:
         figure.savefig(stream, dpi=FIGURE_DPI, format="png")
         encoded = np.frombuffer(stream.getvalue(), np.uint8)
-    return _webp(cv2.imdecode(encoded, cv2.IMREAD_COLOR), WEBP_QUALITY)
+    pixels = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_COLOR), np.uint8)
+    return _webp(pixels, WEBP_QUALITY)
 
 
 def plot_uri(figure: Figure) -> str:
@@ -56,7 +57,7 @@ def _fitted(picture: NDArray[np.uint8], width_px: int, interpolation: int) -> ND
     return np.asarray(cv2.resize(picture, size, interpolation=interpolation), np.uint8)
 
 
-def _webp(pixels: NDArray[np.generic], quality: int) -> str:
+def _webp(pixels: cv2.typing.MatLike, quality: int) -> str:
     done, encoded = cv2.imencode(".webp", pixels, [cv2.IMWRITE_WEBP_QUALITY, quality])
     if not done:
         raise OSError("could not encode a picture as WebP")

@@ -124,7 +124,8 @@ def _gains(table: pd.DataFrame) -> str:
         ("full-yaw", "full_yaw_gain_psnr_avg"),
     ):
         if column in table.columns and pd.notna(row[column]):
-            parts.append(f"{protocol} {row[column]:+.{DIGITS['psnr']}f} dB")
+            gain = f"{row[column]:+.{DIGITS['psnr']}f}".replace("-", "−")
+            parts.append(f"{protocol} {gain} dB")
     return ", ".join(parts)
 
 

@@ -18,7 +18,7 @@ from r3gw.reporting.evaluated import Evaluated, read_run
 from r3gw.reporting.inline import figure_uri, mask_uri, picture_uri, plot_uri
 from r3gw.reporting.plots import sweep_plot, training_plot
 from r3gw.reporting.points import initial_figure, sfm_figure
-from r3gw.reporting.truth import truth_pictures
+from r3gw.reporting.truth import depth_pictures, truth_pictures
 from r3gw.scene import Scene, View, load_points, load_scene
 
 PHOTO_PX, VIEW_PX, LIGHT_PX = 240, 420, 128
@@ -110,6 +110,7 @@ def _sessions(scene: Scene, folder: Path, masks: Path) -> list[Page]:
             photos.append(
                 {
                     "name": view.name,
+                    "short": view.name.removeprefix(session).strip("_") or view.name,
                     "split": view.split,
                     "uri": picture_uri(read_rgb(folder / view.image), PHOTO_PX),
                     "masks": mask_uri(is_valid, is_sky, PHOTO_PX),
@@ -139,14 +140,15 @@ def _lights(run: Evaluated, scene: Scene, folder: Path) -> list[Page]:
 def _parts(run: Evaluated, view: View, folder: Path) -> Page:
     """What a view is made of, and beneath it the truth where it is known."""
     truth = {} if view.truth is None else truth_pictures(view.truth, folder)
-    cells = [
-        {
-            "title": title,
-            "uri": _shown(run, view.name, kind),
-            "truth": picture_uri(truth[kind], VIEW_PX) if kind in truth else None,
-        }
-        for kind, title in PARTS.items()
-    ]
+    depths = depth_pictures(run.depth(view.name), view.truth, folder)
+    cells = []
+    for kind, title in PARTS.items():
+        ours, true = None, truth.get(kind)
+        if kind == "depth":
+            ours, true, title = depths.ours, depths.truth, f"{title}, {depths.label}"
+        uri = _shown(run, view.name, kind) if ours is None else picture_uri(ours, VIEW_PX)
+        beneath = None if true is None else picture_uri(true, VIEW_PX)
+        cells.append({"title": title, "uri": uri, "truth": beneath})
     return {"name": view.name, "cells": cells}
 
 
