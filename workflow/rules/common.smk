@@ -5,6 +5,7 @@ from pathlib import Path
 
 from r3gw.files import InputError
 from r3gw.layers import LAYERS
+from r3gw.reporting.kinds import PICTURES, PLOTS
 from r3gw.settings import load_config, run_settings
 from snakemake.exceptions import WorkflowError
 
@@ -19,6 +20,16 @@ PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
 VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})
+SCENE_FIGURES = [
+    report(
+        f"results/figures/{{scene}}_{kind}.png",
+        caption="../report/figures.rst",
+        category="Scenes",
+        subcategory="{scene}",
+        labels={"figure": kind.replace("_", " ")},
+    )
+    for kind in (*PICTURES, *PLOTS)
+]
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
@@ -40,6 +51,9 @@ wildcard_constraints:
     seed=r"\d+",
 
 
+SOURCES = {".py", ".cpp", ".h", ".j2", ".css", ".js"}
+
+
 def library(package):
     """Source files of an r3gw package and of every layer below it, as rule inputs."""
     below = []
@@ -51,7 +65,7 @@ def library(package):
         raise ValueError(f"no layer of r3gw holds the package {package!r}")
     root = Path(workflow.basedir) / "src/r3gw"
     sources = (p for name in [*below, package] for p in (root / name).rglob("*"))
-    return sorted(str(p) for p in sources if p.suffix in {".py", ".cpp", ".h"})
+    return sorted(str(p) for p in sources if p.suffix in SOURCES)
 
 
 def config_json():

@@ -13,20 +13,6 @@ from r3gw.reporting.relit import learned_figure, shared_light_figure, turned_fig
 from r3gw.reporting.style import look, save
 from r3gw.scene import load_points, load_scene
 
-# Kinds that every scene has; "sweep" comes with test views that have an environment map.
-PICTURES = (
-    "views",
-    "depth",
-    "sky_boundary",
-    "surfaces",
-    "decomposition",
-    "lights",
-    "relit_map",
-    "relit_learned",
-    "shared_light",
-)
-PLOTS = ("training", "initial", "sfm")
-
 
 def scene_figures(
     scene: str, scene_folder: Path, masks_folder: Path, run_folders: Sequence[Path], target: Path
@@ -40,7 +26,7 @@ def scene_figures(
         run_folders: One folder per variant, with history.csv and metrics/; the first one (the
             full method) is shown in the figures that show one run.
         target: Folder of figures. Gets ``<scene>_<kind>.png`` for `PICTURES` and `PLOTS`, the
-            latter also as .pdf, and a plot ``sweep`` where views were swept.
+            latter also as .pdf (r3gw.reporting.kinds), and a plot ``sweep`` where views were swept.
 
     Raises:
         InputError: If a file is missing or there is no run.

@@ -64,7 +64,7 @@ def images_table(metrics_files: Sequence[Path], target: Path) -> None:
     for run in load_runs(metrics_files):
         for record in run.images:
             single = {key: value for key, value in record.items() if not isinstance(value, list)}
-            rows.append(_key(run) | single | _trace(run))
+            rows.append(single | _key(run) | _trace(run))
     frame = pd.DataFrame(rows)
     leading = ["scene", "variant", "seed", "protocol", "view", "psnr", "ssim", "mse", "mae"]
     others = [name for name in frame.columns if name not in leading]

@@ -98,8 +98,10 @@ def load_runs(metrics_files: Iterable[Path]) -> list[Run]:
 
 
 def _load_run(path: Path) -> Run:
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; evaluate the run first")
+    measured = path.with_name("cost.json")
+    for file in (path, measured):
+        if not file.is_file():
+            raise InputError(f"{file}: no such file; evaluate the run first")
     try:
         content = json.loads(path.read_text())
         provenance = content["run"]
@@ -114,9 +116,9 @@ def _load_run(path: Path) -> Run:
             figures=figures,
             images=content["images"],
             provenance=provenance,
-            cost=json.loads(path.with_name("cost.json").read_text()),
+            cost=json.loads(measured.read_text()),
         )
-    except (json.JSONDecodeError, KeyError, TypeError, FileNotFoundError) as error:
+    except (json.JSONDecodeError, KeyError, TypeError) as error:
         raise InputError(
             f"{path}: not a metrics file of this version ({error!r}); evaluate the run again"
         ) from error
