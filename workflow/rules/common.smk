@@ -20,16 +20,6 @@ PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
 VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})
-SCENE_FIGURES = [
-    report(
-        f"results/figures/{{scene}}_{kind}.png",
-        caption="../report/figures.rst",
-        category="Scenes",
-        subcategory="{scene}",
-        labels={"figure": kind.replace("_", " ")},
-    )
-    for kind in (*PICTURES, *PLOTS)
-]
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
@@ -134,3 +124,17 @@ def figure_runs(wildcards):
 def figure_metrics(wildcards):
     """What the evaluation of those runs wrote."""
     return [f"{run}/metrics/metrics.json" for run in figure_runs(wildcards)]
+
+
+def scene_figure(kind):
+    """A figure of a scene, shown by `snakemake --report` too."""
+    return report(
+        f"results/figures/{{scene}}_{kind}.png",
+        caption="../report/figures.rst",
+        category="Scenes",
+        subcategory="{scene}",
+        labels={"figure": kind.replace("_", " ")},
+    )
+
+
+SCENE_FIGURES = [scene_figure(kind) for kind in (*PICTURES, *PLOTS)]
