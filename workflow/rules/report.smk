@@ -24,9 +24,7 @@ rule table1:
             caption="../report/decomposition.rst",
             category="Tables",
         ),
-        cost=report(
-            "results/cost.csv", caption="../report/cost.rst", category="Tables"
-        ),
+        cost=report("results/cost.csv", caption="../report/cost.rst", category="Tables"),
         runs="results/runs.csv",
         images="results/images.csv",
     log:
