@@ -23,6 +23,7 @@ from r3gw.files import atomic_path
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 DPI = 200
 MARGIN_IN = 0.3
+PNG_LEVEL = 4  # a third of the time of the default, a tenth more bytes
 BAR_IN = 0.55  # of a grid's width, for colour bars
 UNKNOWN = 0.87
 ACCENT = "#e6007e"  # frames on photos: a colour that no building has
@@ -102,7 +103,8 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 def save(figure: Figure, target: Path, *, as_pdf: bool) -> None:
     """Write ``target`` (.png) and, for plots, the same name as .pdf; no dates inside."""
     with atomic_path(target) as path:
-        figure.savefig(path, dpi=DPI, metadata={"Software": None})
+        options = {"compress_level": PNG_LEVEL}
+        figure.savefig(path, dpi=DPI, metadata={"Software": None}, pil_kwargs=options)
     if as_pdf:
         with atomic_path(target.with_suffix(".pdf")) as path:
             figure.savefig(path, metadata={"CreationDate": None, "Producer": None})
