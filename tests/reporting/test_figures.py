@@ -10,11 +10,13 @@ from matplotlib import colormaps
 
 from r3gw.files import InputError
 from r3gw.reporting.comparisons import busiest_window
+from r3gw.reporting.evaluated import read_run
 from r3gw.reporting.figures import scene_figures
 from r3gw.reporting.grids import absolute_error
 from r3gw.reporting.kinds import PICTURES, PLOTS
 from r3gw.reporting.style import Cell, Scale, look, picture_grid, save
 from r3gw.reporting.truth import depth_scale
+from r3gw.scene import load_scene
 
 viridis = colormaps["viridis"]
 
@@ -56,6 +58,13 @@ def test_photos_alone_show_training_views(tmp_path):
     assert "sweep.png" not in draw(tmp_path, [run], tmp_path / "figures")
     image = cv2.imread(str(tmp_path / "figures" / "x_views.png"))[..., ::-1]
     assert (image.reshape(-1, 3) == BLUE).all(axis=1).mean() > 0.4  # photo and render
+
+
+def test_test_views_without_a_protocol_leave_the_place_to_training_views(tmp_path):
+    make_scene(tmp_path / "scene", with_test=True)
+    run = make_run(tmp_path / "full", "full", with_test=False)
+    assert "views.png" in draw(tmp_path, [run], tmp_path / "figures")
+    assert [v.name for v in read_run(run).shown_views(load_scene(tmp_path / "scene"))] == ["t"]
 
 
 def test_same_runs_give_the_same_bytes(tmp_path):

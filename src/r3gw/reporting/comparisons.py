@@ -31,7 +31,7 @@ Row = list[Cell | None]
 
 def depth_figure(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) -> Figure:
     """Depth of every variant on one scale; truth and the first variant's error where known."""
-    views = _pictured(scene, runs[0])
+    views = runs[0].shown_views(scene)[:NUM_ROWS]
     truths = {view.name: _true(scene_folder, view, "depth") for view in views}
     known = [truths[view.name] for view in views]
     shown = [
@@ -84,7 +84,7 @@ def sky_boundary_figure(
 
 def surfaces_figure(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
     """Albedo and normals beside the truth, albedo after one factor per channel for the figure."""
-    views = _pictured(scene, run)
+    views = run.shown_views(scene)[:NUM_ROWS]
     truths = {view.name: _true(scene_folder, view, "albedo") for view in views}
     known = [view for view in views if truths[view.name] is not None]
     factors = _albedo_factors(scene_folder, known, run)
@@ -122,11 +122,6 @@ def busiest_window(band: Bool[np.ndarray, "h w"]) -> tuple[int, int, int, int]:
     inside = inside + sums[:-rows, :-columns]
     top, left = np.unravel_index(int(inside.argmax()), inside.shape)
     return int(left), int(top), columns, rows
-
-
-def _pictured(scene: Scene, run: Evaluated) -> list[View]:
-    views = scene.split("test") or scene.split("train")
-    return [view for view in views if run.picture(view.name, "albedo") is not None][:NUM_ROWS]
 
 
 def _photo(run: Evaluated, view: View) -> Cell | None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from r3gw.files import InputError
 from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.reporting.tables import method_name
+from r3gw.scene import Scene, View
 
 BY_KNOWLEDGE = ("exact", "learned", "nerf-osr", "full-yaw")
 
@@ -94,6 +95,13 @@ class Evaluated:
         """The PSNR as a label; empty if the view was not scored so."""
         record = self.records.get((view, protocol))
         return "" if record is None else f"{record['psnr']:.2f} dB"
+
+    def shown_views(self, scene: Scene) -> list[View]:
+        """Test views that were evaluated; where there are none, training views with pictures."""
+        for split in (scene.split("test"), scene.split("train")):
+            if shown := [v for v in split if (self.renders / "truth" / f"{v.name}.png").is_file()]:
+                return shown
+        return []
 
     def protocol_of(self, view: str) -> str:
         """The protocol that shows the view best: the one that knows most about its light."""

@@ -36,11 +36,7 @@ def view_grid(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) -> Fi
     The first run is shown under every protocol and, under its first one, with its error; the
     others under that one alone. Errors are shown where pixels are scored.
     """
-    views = [
-        view
-        for view in scene.split("test") or scene.split("train")
-        if runs[0].picture(view.name, "truth") is not None
-    ]
+    views = runs[0].shown_views(scene)
     protocols = [p for p in PROTOCOL_TITLES if any((v.name, p) in runs[0].records for v in views)]
     columns = [(runs[0], p) for p in protocols] + [(run, protocols[0]) for run in runs[1:]]
     rows: list[list[Cell | None]] = []
@@ -75,9 +71,7 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figu
     """Render, albedo, normals, depth, sky and foreground alone; the truth beneath where known."""
     rows: list[list[Cell | None]] = []
     names = []
-    views = scene.split("test") or scene.split("train")
-    pictured = [view for view in views if run.picture(view.name, "albedo") is not None]
-    for view in pictured[:NUM_DECOMPOSED]:
+    for view in run.shown_views(scene)[:NUM_DECOMPOSED]:
         depths = depth_pictures(run.depth(view.name), view.truth, scene_folder)
         protocol = run.protocol_of(view.name)
         kinds = ("albedo", "normal", "", "sky", "foreground")

@@ -57,8 +57,7 @@ def scene_page(folders: SceneFolders) -> Page:
     scene, points = load_scene(folder), load_points(folder)
     runs = [read_run(each) for each in folders.runs]
     main = runs[0]
-    views = scene.split("test") or scene.split("train")
-    shown = [view for view in views if main.picture(view.name, "truth") is not None]
+    shown = main.shown_views(scene)
     is_swept = any(protocol == "nerf-osr" for _, protocol in main.records)
     return {
         "name": folders.root.name,
