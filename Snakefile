@@ -1,5 +1,5 @@
 # r3gw: photos or a dataset -> SfM import -> masks -> sky initialisation -> training ->
-# evaluation -> tables and figures. `snakemake --cores 2 all` makes results/table1.csv;
+# evaluation -> tables, figures, report. `snakemake --cores 2 all` makes results/table1.csv;
 # `snakemake --cores 2 ablations` makes results/ablations.csv.
 from snakemake.utils import min_version
 
@@ -10,6 +10,9 @@ min_version("9.0")
 if "scenes" not in config:
 
     configfile: "config/config.yaml"
+
+
+report: "workflow/report/workflow.rst"
 
 
 include: "workflow/rules/common.smk"
@@ -25,6 +28,8 @@ rule all:
     input:
         "results/doctor/doctor.json",
         "results/table1.csv",
+        "results/cost.csv",
+        "results/report.html",
         collect(
             "results/figures/{scene}_{kind}.png", scene=SCENES, kind=["masks", "views"]
         ),

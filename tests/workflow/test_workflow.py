@@ -15,6 +15,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from r3gw.reporting.kinds import PICTURES, PLOTS
 from r3gw.settings import load_config
 from r3gw.settings.validation import read_yaml
 
@@ -90,7 +91,7 @@ def planned(folder: Path, target: str, config: dict[str, Any] = CONFIG) -> set[s
 
 @contextmanager
 def edited(path: Path) -> Iterator[None]:
-    """Append a line to a source file for a while."""
+    """Append an empty line to a source file for a while."""
     before = path.read_text()
     path.write_text(before + "# edited\n")
     try:
@@ -120,6 +121,24 @@ def test_doctor_looked_before_the_training(finished):
     assert times == sorted(times)
 
 
+def test_cost_report_and_figures_come_with_all(finished):
+    cost = pd.read_csv(finished / "results/cost.csv")
+    assert cost.loc[0, "renders_per_second"] > 0
+    images = pd.read_csv(finished / "results/images.csv")
+    assert set(images.protocol) == {"nerf-osr", "full-yaw", "exact", "learned"}
+    assert "Scene tiny" in (finished / "results/report.html").read_text()
+    figures = {path.stem for path in (finished / "results/figures").glob("*.png")}
+    assert {f"tiny_{kind}" for kind in (*PICTURES, *PLOTS)} <= figures
+
+
+def test_snakemakes_own_report_shows_tables_and_figures(finished):
+    done = snakemake(finished, "--report", "snakemake.html", "all")
+    assert done.returncode == 0, done.stderr
+    text = (finished / "snakemake.html").read_text()
+    for piece in ("table1.csv", "tiny_sky_boundary.png", "Relightable 3D Gaussians outdoors"):
+        assert piece in text
+
+
 def test_second_run_does_nothing(finished):
     assert planned(finished, "all") == set()
 
@@ -138,6 +157,7 @@ def test_edited_settings_retrain_but_do_not_render(finished):
         ("raster/csrc/projection.cpp", {"train"}, {"generate"}),
         ("reporting/tables.py", {"table1"}, {"train", "evaluate"}),
         ("doctor/page.py", {"doctor"}, {"generate", "import_scene", "check_scene", "train"}),
+        ("reporting/templates/report.css", {"html_report"}, {"train", "evaluate"}),
     ],
 )
 def test_edited_code_reruns_what_depends_on_it(finished, source, reruns, keeps):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from r3gw.files import InputError
 from r3gw.layers import LAYERS
+from r3gw.reporting.kinds import PICTURES, PLOTS
 from r3gw.settings import load_config, run_settings
 from snakemake.exceptions import WorkflowError
 
@@ -40,6 +41,9 @@ wildcard_constraints:
     seed=r"\d+",
 
 
+SOURCES = {".py", ".cpp", ".h", ".j2", ".css", ".js"}
+
+
 def library(package):
     """Source files of an r3gw package and of every layer below it, as rule inputs."""
     below = []
@@ -51,7 +55,7 @@ def library(package):
         raise ValueError(f"no layer of r3gw holds the package {package!r}")
     root = Path(workflow.basedir) / "src/r3gw"
     sources = (p for name in [*below, package] for p in (root / name).rglob("*"))
-    return sorted(str(p) for p in sources if p.suffix in {".py", ".cpp", ".h"})
+    return sorted(str(p) for p in sources if p.suffix in SOURCES)
 
 
 def config_json():
@@ -120,3 +124,17 @@ def figure_runs(wildcards):
 def figure_metrics(wildcards):
     """What the evaluation of those runs wrote."""
     return [f"{run}/metrics/metrics.json" for run in figure_runs(wildcards)]
+
+
+def scene_figure(kind):
+    """A figure of a scene, shown by `snakemake --report` too."""
+    return report(
+        f"results/figures/{{scene}}_{kind}.png",
+        caption="../report/figures.rst",
+        category="Scenes",
+        subcategory="{scene}",
+        labels={"figure": kind.replace("_", " ")},
+    )
+
+
+SCENE_FIGURES = [scene_figure(kind) for kind in (*PICTURES, *PLOTS)]
