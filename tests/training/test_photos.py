@@ -14,7 +14,7 @@ from r3gw.settings import MaskSources, NerfOsrScene
 from r3gw.sfm import import_scene
 from r3gw.training.photos import load_photos
 
-SIZE = (900, 1200)
+SIZE = (896, 1200)
 PEAK = """
 import sys
 from pathlib import Path
@@ -50,7 +50,7 @@ def growth_bytes(script, *folders):
 
 
 def large_scene(tmp_path):
-    """Twelve noisy training photos of 1200 x 900 px with masks."""
+    """Twelve noisy training photos of 1200 x 896 px with masks."""
     place = layout_a.build(tmp_path / "place")
     settings = NerfOsrScene(format="nerf-osr", path=".")
     scene = import_scene("place", settings, place.folder, tmp_path / "scene", num_threads=1)
@@ -76,8 +76,8 @@ def test_photos_are_held_as_bytes_once(tmp_path):
     pixels = SIZE[0] * SIZE[1]
     assert len(photos) == 12
     for photo in photos:
-        assert photo.pixels.dtype == torch.uint8
-        kept = (photo.pixels, photo.is_valid, photo.is_sky)
+        assert photo.planes.dtype == torch.uint8
+        kept = (photo.planes, photo.is_valid, photo.is_sky)
         assert sum(t.untyped_storage().nbytes() for t in kept) == 5 * pixels
     grown = growth_bytes(LOAD, scene, masks)
     # Eleven more photos, and while one is read, OpenCV's copy of it.

@@ -20,6 +20,7 @@ namespace r3gw {
 namespace {
 
 constexpr std::int64_t kRanksPerPart = 2048, kImageRowsPerPart = 32;
+constexpr int kTilesTogether = 4;  // Taken by one thread: it fetches the next while it works.
 constexpr int kRanksAhead = 32;  // Gaussians whose gradient rows are fetched together.
 
 // Columns of a gradient row: moments of dL/dln(alpha) over the pixels, then feature gradients.
@@ -71,6 +72,17 @@ std::uint32_t load_tile(const Frame& frame, const ChannelPass& pass, const Image
   return wanted;
 }
 
+// Starts fetching what load_tile() will read: a line per row and plane, too far apart for the
+// hardware to foresee.
+void fetch_tile(const Frame& frame, const ChannelPass& pass, const ImageGradient& image,
+                const TileWindow& window) {
+  for (int c = 0; c < pass.used; ++c) {
+    const std::int64_t plane = (pass.first + c) * frame.pixels();
+    window.fetch(image.features + plane, frame.width);
+    window.fetch(image.features_drawn + plane, frame.width);
+  }
+}
+
 // Moments and the first `Columns` feature gradients of one entry over the blocks of `mask`.
 template <int Width, int Columns>
 void entry_gradient(const float* row, std::uint32_t mask, const BlockCentres& centres,
@@ -87,7 +99,7 @@ void entry_gradient(const float* row, std::uint32_t mask, const BlockCentres& ce
     const Lanes own = hit.weight * colour;
     state.transmittance = state.transmittance - hit.weight;
     state.behind = state.behind - own;
-    const Lanes hidden = hit.alpha / (1.0f - hit.alpha);
+    const Lanes hidden = hit.alpha * reciprocal(1.0f - hit.alpha);
     const Mask free = greater_equal(splat(kMaxAlpha), hit.unclamped);
     const Lanes g = keep(both(free, hit.drawn), minus_product(own, hidden, state.behind));
     const Lanes gs = g * hit.s, gt = g * hit.t;
@@ -115,6 +127,7 @@ void tile_gradient(Frame& frame, int tile, const ChannelPass& pass, const ImageG
   constexpr int kRow = row_stride(Width), kResult = row_stride(Columns);
   const TileWindow window(frame, tile);
   const BlockCentres centres(window.left, window.top);
+  if (tile + 1 < frame.tiles()) fetch_tile(frame, pass, image, TileWindow(frame, tile + 1));
   BlockState<Width> blocks[kBlocks];
   const std::uint32_t wanted = load_tile(frame, pass, image, window, blocks);
   const std::int64_t begin = frame.first_entry[tile];
@@ -190,7 +203,7 @@ void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGra
     frame.first_gradient[tile + 1] = frame.first_gradient[tile] + frame.used_entries[tile];
   }
   frame.gradient_rows.resize(frame.first_gradient[frame.tiles()] * kResult);
-  parallel_items(frame.tiles(),
+  parallel_items(frame.tiles(), kTilesTogether,
                  [&](int tile) { tile_gradient<Width, Columns>(frame, tile, pass, image); });
   parallel_parts(
       frame.visible, parts_for(frame.visible, kRanksPerPart), [&](auto begin, auto end, int) {

@@ -23,12 +23,16 @@ inline int parts_for(std::int64_t count, std::int64_t items_per_part) {
   return static_cast<int>(std::clamp<std::int64_t>(wanted, 1, at::get_num_threads()));
 }
 
-// Calls work(item) for every item below `count`; idle threads take the next item.
+// Calls work(item) for every item below `count`; idle threads take the next `together` items.
 template <class Work>
-void parallel_items(int count, const Work& work) {
-#pragma omp parallel for schedule(dynamic, 1) \
+void parallel_items(int count, int together, const Work& work) {
+#pragma omp parallel for schedule(dynamic, together) \
     num_threads(std::clamp(at::get_num_threads(), 1, std::max(count, 1)))
   for (int item = 0; item < count; ++item) work(item);
+}
+template <class Work>
+void parallel_items(int count, const Work& work) {
+  parallel_items(count, 1, work);
 }
 
 }  // namespace r3gw
