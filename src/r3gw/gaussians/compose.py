@@ -5,6 +5,7 @@ foreground-only and sky-only channel sum (1 each). The last two carry no colour 
 """
 
 from dataclasses import dataclass
+from math import pi
 
 import torch
 from jaxtyping import Float
@@ -12,6 +13,7 @@ from torch import Tensor
 
 from r3gw.gaussians.foreground import directions_to, facing_normals
 from r3gw.gaussians.model import SceneModel
+from r3gw.gaussians.rows import OCCLUSION
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.colour import display_from_linear
 from r3gw.raster import rasterize
@@ -55,14 +57,17 @@ def foreground_colours(
     rows = model.foreground
     to_camera = directions_to(rows["means"], camera.centre).detach()
     normals = facing_normals(rows, to_camera)
+    albedo = rows["albedo_logits"].sigmoid()
     linear = shade(
         normals,
         to_camera,
-        rows["albedo_logits"].sigmoid(),
+        albedo,
         rows["roughness_logits"].sigmoid(),
         light,
         with_specular=model.settings.model.specular,
     )
+    if OCCLUSION in rows:
+        linear = linear + albedo / pi * (rows[OCCLUSION] @ light)
     return display_from_linear(linear), normals
 
 

@@ -10,8 +10,9 @@ from r3gw.files import InputError, atomic_path
 from r3gw.gaussians.appearance import Appearance
 from r3gw.gaussians.foreground import initial_foreground
 from r3gw.gaussians.initial import InitialPoints
-from r3gw.gaussians.rows import Rows
+from r3gw.gaussians.rows import OCCLUSION, Rows
 from r3gw.gaussians.sky import Sky, SkyDome
+from r3gw.lighting import sh
 from r3gw.settings import TrainSettings
 
 FILE_VERSION = 1
@@ -52,8 +53,12 @@ def initial_model(
         points = torch.cat([points, initial.sky_points()])
         angles = angles[:0]
     appearance = Appearance(len(photos), settings.model, settings.init.light_radiance, generator)
+    foreground = initial_foreground(points, settings.init)
+    if settings.occlusion.enabled:
+        size = sh.num_coefficients(settings.model.light_degree)
+        foreground.add_computed(OCCLUSION, torch.zeros(len(points), size))
     return SceneModel(
-        initial_foreground(points, settings.init),
+        foreground,
         Sky(dome, angles, settings.init.opacity),
         appearance,
         photos,

@@ -87,6 +87,20 @@ class SkySettings(Strict):
     azimuth_range: str = Field(pattern="^(cameras|full)$")
 
 
+class OcclusionSettings(Strict):
+    """Shadows that the foreground casts on itself (r3gw.gaussians.occlusion); not in the paper."""
+
+    enabled: bool
+    first: int = Field(ge=0)
+    interval: int = Field(gt=0)
+    voxels: int = Field(ge=8, le=512)
+    directions: int = Field(ge=8)
+    reach: int = Field(ge=1)
+    offset: float = Field(ge=0)
+    bounce: float = Field(ge=0, lt=1)
+    neighbours: int = Field(ge=1)
+
+
 class TrainSettings(Strict):
     """Everything that changes the result of one training."""
 
@@ -101,6 +115,7 @@ class TrainSettings(Strict):
     weights: WeightSettings
     density: DensitySettings
     sky: SkySettings
+    occlusion: OcclusionSettings
 
 
 def load_train_settings(path: Path) -> TrainSettings:
