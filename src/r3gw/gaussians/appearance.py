@@ -1,5 +1,6 @@
 """Per-photo light and sky colour: an embedding and an MLP (paper, Eq. 3 and appendix)."""
 
+from collections.abc import Sequence
 from math import pi, sqrt
 
 import torch
@@ -15,22 +16,38 @@ FIRST_VARIATION = 0.1
 
 
 class Appearance(nn.Module):
-    """Maps a training photo's index to its environment light and its sky coefficients."""
+    """Maps a training photo's index to its environment light and its sky coefficients.
+
+    Photos of one session can share an embedding; then each has an exposure of its own, a factor
+    on the light.
+    """
 
     def __init__(
         self,
-        num_photos: int,
+        rows: Sequence[int],
         settings: ModelSettings,
         light_radiance: float,
         generator: torch.Generator,
     ) -> None:
-        """Start at uniform light of ``light_radiance`` with small random variation."""
+        """Start at uniform light of ``light_radiance`` with small random variation.
+
+        Args:
+            rows: Which embedding each photo uses, from 0 on without gaps.
+            settings: Sizes, noise and dropout.
+            light_radiance: Of the first light.
+            generator: Draws the first weights.
+        """
         super().__init__()
+        self.rows = tuple(rows)
+        num_rows = max(rows) + 1
         hidden = settings.hidden_size
         self.light_noise = settings.light_noise
         self.embedding = nn.Parameter(
-            torch.randn(num_photos, settings.embedding_size, generator=generator)
+            torch.randn(num_rows, settings.embedding_size, generator=generator)
         )
+        self.log_exposure: nn.Parameter | None = None
+        if num_rows < len(rows):
+            self.log_exposure = nn.Parameter(torch.zeros(len(rows)))
         self.trunk = nn.Sequential(
             nn.Linear(settings.embedding_size, hidden),
             nn.ReLU(),
@@ -62,9 +79,11 @@ class Appearance(nn.Module):
 
     def forward(self, photo: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
         """Light ``[(degree+1)**2, 3]`` and sky ``[4, 3]`` of one training photo, without noise."""
-        features = self.trunk(self.embedding[photo])
+        features = self.trunk(self.embedding[self.rows[photo]])
         light: Tensor = self.light_head(features)
         sky: Tensor = self.sky_head(features)
+        if self.log_exposure is not None:
+            light = light * self.log_exposure[photo].exp()
         return light.reshape(-1, 3), sky.reshape(-1, 3)
 
     def noisy(

@@ -14,6 +14,7 @@ class ModelSettings(Strict):
     separate_sky: bool
     specular: bool
     light_degree: Literal[2, 4]
+    share_session_light: bool
     embedding_size: int = Field(ge=1)
     hidden_size: int = Field(ge=1)
     light_hidden_size: int = Field(ge=1)
@@ -60,6 +61,8 @@ class WeightSettings(Strict):
     sky_depth_gamma: float = Field(gt=0)
     light_directions: int = Field(ge=1)
     light_domain: str = Field(pattern="^(hemisphere|sphere)$")
+    ground: float = Field(ge=0)
+    ground_reflectance: float = Field(ge=0, le=1)
 
 
 class DensitySettings(Strict):

@@ -7,7 +7,7 @@ from torch import Tensor
 from r3gw.gaussians.compose import Rendering, render
 from r3gw.gaussians.model import SceneModel
 from r3gw.losses.geometry import normal_loss, normals_from_depth, scale_loss
-from r3gw.losses.lighting import positivity_loss, random_directions
+from r3gw.losses.lighting import ground_loss, positivity_loss, random_directions
 from r3gw.losses.reconstruction import reconstruction_loss
 from r3gw.losses.separation import separation_loss, sky_depth_loss
 from r3gw.training.photos import Photo
@@ -48,6 +48,9 @@ def objective(
     )
     directions = random_directions(weights.light_directions, weights.light_domain, generator)
     parts["light"] = weights.light * positivity_loss(light, directions)
+    if weights.ground > 0:
+        below = -random_directions(weights.light_directions, "hemisphere", generator)
+        parts["ground"] = weights.ground * ground_loss(light, below, weights.ground_reflectance)
     is_visible = rendering.radii_px > 0
     num_foreground = len(model.foreground)
     if weights.sky_depth > 0:

@@ -42,9 +42,11 @@ def run_training(
     """
     torch.set_num_threads(num_threads)
     settings = load_train_settings(settings_path)
-    photos = load_photos(load_scene(scene_folder), scene_folder, masks_folder)
+    imported = load_scene(scene_folder)
+    photos = load_photos(imported, scene_folder, masks_folder)
     names = tuple(photo.name for photo in photos)
-    start = initial_model(load_initial(initial_path), names, settings)
+    sessions = tuple(view.session or view.name for view in imported.split("train"))
+    start = initial_model(load_initial(initial_path), names, settings, sessions)
     checkpoints = Checkpoints(target, start)
     model, history = train(start, photos, checkpoints)
     save_model(model, target / "model.pt")
