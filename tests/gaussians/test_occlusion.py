@@ -195,9 +195,7 @@ def test_shading_subtracts_what_is_lost(model, camera, tmp_path):
     after, _ = foreground_colours(model, camera, light)
     albedo = model.foreground["albedo_logits"].sigmoid()
     expected = before**2.2 - albedo * 0.3 * 0.5
-    assert_allclose(
-        (after**2.2).detach().numpy(), expected.detach().numpy(), rtol=1e-4, atol=1e-5
-    )
+    assert_allclose((after**2.2).detach().numpy(), expected.detach().numpy(), rtol=1e-4, atol=1e-5)
     save_model(model, tmp_path / "model.pt")
     again = load_model(tmp_path / "model.pt").foreground
     assert not again[OCCLUSION].requires_grad

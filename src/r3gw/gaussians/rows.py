@@ -7,7 +7,6 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 from torch.optim import Optimizer
 
-
 # Follows the rows but is computed, not learned (r3gw.gaussians.occlusion); optional.
 OCCLUSION = "occlusion"
 
@@ -15,8 +14,8 @@ OCCLUSION = "occlusion"
 class Rows(nn.Module):
     """Named parameters with one row per Gaussian.
 
-    The optimizer must hold each parameter that is learned in a group of its own, whose ``"name"`` is the
-    parameter's name with ``prefix`` before it.
+    The optimizer must hold each parameter that is learned in a group of its own, whose ``"name"``
+    is the parameter's name with ``prefix`` before it.
     """
 
     def __init__(self, prefix: str, values: Mapping[str, Float[Tensor, "n ..."]]) -> None:

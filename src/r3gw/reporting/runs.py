@@ -33,6 +33,7 @@ DECOMPOSITION = (
     "light_error_diffuse",
     "sky_boundary_psnr",
     "sky_foreground_alpha",
+    "sky_in_front",
 )
 
 
