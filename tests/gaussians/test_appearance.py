@@ -33,12 +33,13 @@ def test_photos_of_a_session_share_light_up_to_exposure(make_model):
     assert appearance.embedding.shape[0] == 2
     with torch.no_grad():
         appearance.log_exposure[2] = torch.log(torch.tensor(1.5))
-    (first, sky), (other, _), (third, third_sky) = (appearance(i) for i in range(3))
+        (first, sky), (other, _), (third, third_sky) = (appearance(i) for i in range(3))
     torch.testing.assert_close(third, 1.5 * first, rtol=1e-6, atol=0)
     torch.testing.assert_close(third_sky, sky, rtol=0, atol=0)
     assert float((other - first).abs().max()) > 1e-4
 
 
+@torch.no_grad()
 def test_by_default_every_photo_has_its_own_light(make_model):
     appearance = make_model(False).appearance
     assert appearance.embedding.shape[0] == 3
