@@ -84,7 +84,7 @@ def _appearance(
     sessions: tuple[str, ...], settings: TrainSettings, generator: torch.Generator
 ) -> Appearance:
     """One embedding per photo, or one per session if the settings share light."""
-    rows = range(len(sessions))
+    rows = list(range(len(sessions)))
     if settings.model.share_session_light:
         known = list(dict.fromkeys(sessions))
         rows = [known.index(session) for session in sessions]
