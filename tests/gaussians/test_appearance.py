@@ -1,11 +1,15 @@
 """Light per photo or per session: who shares what, and what a model file keeps."""
 
+from math import pi
+
 import pytest
 import torch
 
+from r3gw.gaussians.appearance import first_light
 from r3gw.gaussians.initial import InitialPoints
 from r3gw.gaussians.model import initial_model, load_model, save_model
 from r3gw.gaussians.sky import SkyDome, sample_dome
+from r3gw.lighting.irradiance import irradiance
 
 PHOTOS = ("a_1", "b_1", "a_2")
 SESSIONS = ("a", "b", "a")
@@ -56,3 +60,15 @@ def test_model_file_keeps_sessions(make_model, tmp_path):
     assert again.sessions == SESSIONS
     for i in range(3):
         torch.testing.assert_close(again.appearance(i), model.appearance(i), rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("below", [1.0, 0.2, 0.0])
+def test_first_light_is_an_even_sky_over_even_ground(settings, below):
+    """What faces the sky gets pi times its radiance, what faces the ground the ground's."""
+    init = settings.init.model_copy(update={"light_radiance": 0.6, "light_below": below})
+    light = first_light(init, 4)[:, None].expand(-1, 3)
+    normals = torch.tensor([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])
+    sky = 2 * 0.6 / (1 + below)
+    expected = pi * torch.tensor([sky, max(below * sky, 1e-4 / pi), 0.6])
+    received = irradiance(light, normals)
+    torch.testing.assert_close(received, expected[:, None].expand(-1, 3), rtol=1e-5, atol=1e-4)

@@ -88,7 +88,7 @@ def _appearance(
     if settings.model.share_session_light:
         known = list(dict.fromkeys(sessions))
         rows = [known.index(session) for session in sessions]
-    return Appearance(rows, settings.model, settings.init.light_radiance, generator)
+    return Appearance(rows, settings.model, settings.init, generator)
 
 
 def model_content(model: SceneModel) -> dict[str, Any]:

@@ -29,6 +29,7 @@ class InitSettings(Strict):
     roughness: float = Field(gt=0, lt=1)
     albedo: float = Field(gt=0, lt=1)
     light_radiance: float = Field(gt=0)
+    light_below: float = Field(ge=0, le=1)
 
 
 class RateSettings(Strict):
