@@ -33,7 +33,7 @@ sanitize: .venv/installed-test
 	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
 	PYTHONPATH=$(SANITIZED)/package $(BIN)/python -m pytest -p no:cacheprovider \
-		tests/raster tests/losses/test_ssim.py tests/shading/test_fused.py
+		tests/raster tests/losses tests/gaussians
 
 .venv/bin/python:
 	$(PYTHON) -m venv .venv

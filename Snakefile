@@ -1,5 +1,5 @@
 # r3gw: photos or a dataset -> SfM import -> masks -> sky initialisation -> training ->
-# evaluation -> tables and figures. `snakemake --cores 2 all` makes results/table1.csv;
+# evaluation -> tables, figures, report. `snakemake --cores 2 all` makes results/table1.csv;
 # `snakemake --cores 2 ablations` makes results/ablations.csv.
 from snakemake.utils import min_version
 
@@ -12,7 +12,11 @@ if "scenes" not in config:
     configfile: "config/config.yaml"
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/rules/common.smk"
+include: "workflow/rules/check.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/train.smk"
 include: "workflow/rules/evaluate.smk"
@@ -22,8 +26,13 @@ include: "workflow/rules/report.smk"
 rule all:
     default_target: True
     input:
+        "results/doctor/doctor.json",
         "results/table1.csv",
-        collect("results/figures/{scene}_views.png", scene=SCENES),
+        "results/cost.csv",
+        "results/report.html",
+        collect(
+            "results/figures/{scene}_{kind}.png", scene=SCENES, kind=["masks", "views"]
+        ),
 
 
 rule ablations:

@@ -8,7 +8,6 @@ the column ``load`` says what else was running.
 """
 
 import json
-import math
 import os
 import resource
 import statistics
@@ -16,13 +15,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 import pandas as pd
 import torch
+from workloads import Drawing, workloads
 
 from r3gw.files import atomic_path
 from r3gw.raster import reference  # Loads torch.ops.r3gw too.
@@ -34,47 +33,6 @@ COLUMNS = [
 ]
 TRAINING_CHANNELS, TRAINING_GRADIENTS = 9, 7
 SECONDS_PER_ROW = 4.0
-
-
-@dataclass(frozen=True)
-class Workload:
-    """A seeded slab of Gaussians in front of an identity camera (rasterizer.md)."""
-
-    name: str
-    gaussians: int
-    width: int
-    height: int
-    opacity_shift: float = 0.5
-    scale: float = 1.0
-    with_reference: bool = False
-
-    def inputs(self, channels: int) -> list[torch.Tensor]:
-        """Means, quaternions, scales, opacities, features."""
-        n = self.gaussians
-        torch.manual_seed(0)
-        means = torch.rand(n, 3) * torch.tensor([8.0, 6.0, 4.0]) - torch.tensor([4.0, 3.0, -4.0])
-        middle = math.log(self.scale * 0.06 * math.sqrt(20_000 / n))
-        scales = torch.exp(torch.randn(n, 3) * 0.5 + middle)
-        quaternions = torch.nn.functional.normalize(torch.randn(n, 4), dim=-1)
-        opacities = torch.sigmoid(torch.randn(n) * 1.5 + self.opacity_shift)
-        return [means, quaternions, scales, opacities, torch.rand(n, channels)]
-
-    @property
-    def intrinsics(self) -> list[float]:
-        focal = 0.9 * self.width
-        return [focal, focal, self.width / 2, self.height / 2]
-
-
-WORKLOADS = {
-    workload.name: workload
-    for workload in (
-        Workload("tiny", 2_000, 80, 60, with_reference=True),
-        Workload("slab-20k", 20_000, 320, 240),
-        Workload("sparse-50k", 50_000, 640, 480, opacity_shift=-2.0, scale=0.4),
-        Workload("slab-100k", 100_000, 640, 480),
-        Workload("slab-200k", 200_000, 1024, 768),
-    )
-}
 
 
 def repeat(parts: list[tuple[str, Callable[[], Any]]]) -> dict[str, float]:
@@ -89,19 +47,21 @@ def repeat(parts: list[tuple[str, Callable[[], Any]]]) -> dict[str, float]:
     return {name: statistics.median(values[1:]) for name, values in times.items()}
 
 
-def time_kernels(workload: Workload, channels: int, naive: bool) -> dict[str, float]:
+def time_kernels(drawing: Drawing, naive: bool) -> dict[str, float]:
     """Milliseconds of project, forward and backward (both halves) of r3gw or the naive kernel."""
-    means, quaternions, scales, opacities, features = workload.inputs(channels)
     ops: Any = torch.ops.r3gw
-    size = (workload.width, workload.height)
-    camera = (torch.eye(4), workload.intrinsics, *size)
-    grad_image = torch.randn(workload.height, workload.width, channels)
-    grad_alpha = torch.randn(workload.height, workload.width)
+    ops.keep_freed_memory()  # as a training does
+    geometry = (drawing.means, drawing.quaternions, drawing.scales)
+    opacities, features = drawing.opacities, drawing.features
+    size, channels = (drawing.width, drawing.height), features.shape[1]
+    camera = (drawing.cam_from_world, drawing.intrinsics, *size)
+    grad_planes = torch.randn(channels, drawing.height, drawing.width)
+    grad_alpha = torch.randn(drawing.height, drawing.width)
     columns = TRAINING_GRADIENTS if channels == TRAINING_CHANNELS else channels
     state: dict[str, Any] = {}
 
     def project() -> None:
-        state["projected"] = ops.project(means, quaternions, scales, opacities, *camera)
+        state["projected"] = ops.project(*geometry, opacities, *camera)
 
     def forward() -> None:
         means2d, factors, screen, radii = state["projected"]
@@ -109,16 +69,16 @@ def time_kernels(workload: Workload, channels: int, naive: bool) -> dict[str, fl
 
     def backward() -> None:
         means2d, factors, screen, radii = state["projected"]
-        image, alpha, frame = state.pop("drawn")
+        planes, alpha, frame = state.pop("drawn")
         to_means2d, to_factors, _, _ = ops.composite_backward(
-            *(frame, grad_image, grad_alpha, image, alpha, means2d, factors, screen),
+            *(frame, grad_planes, grad_alpha, planes, alpha, means2d, factors, screen),
             *(opacities, features, columns),
         )
-        ops.project_backward(to_means2d, to_factors, means, quaternions, scales, radii, *camera)
+        ops.project_backward(to_means2d, to_factors, *geometry, radii, *camera)
 
     if not naive:
         return repeat([("project", project), ("forward", forward), ("backward", backward)])
-    kernel = naive_kernel()
+    kernel, grad_image = naive_kernel(), grad_planes.permute(1, 2, 0).contiguous()
 
     def naive_forward() -> None:
         _, _, state["pairs"] = kernel.forward(*state["projected"], opacities, features, *size)
@@ -139,18 +99,15 @@ def naive_kernel() -> Any:
     return load("r3gw_naive_rasterizer", [str(source)], extra_cflags=flags)
 
 
-def time_reference(workload: Workload, channels: int) -> dict[str, float]:
+def time_reference(drawing: Drawing) -> dict[str, float]:
     """Milliseconds of the plain-torch reference; its projection counts as forward."""
-    inputs = [value.requires_grad_() for value in workload.inputs(channels)]
-    means, quaternions, scales, opacities, features = inputs
-    size = (workload.width, workload.height)
+    tensors = (drawing.means, drawing.quaternions, drawing.scales, drawing.opacities)
+    inputs = [value.requires_grad_() for value in (*tensors, drawing.features)]
+    camera = (drawing.cam_from_world, drawing.intrinsics, drawing.width, drawing.height)
     state: dict[str, torch.Tensor] = {}
 
     def forward() -> None:
-        result = reference.rasterize(
-            *(means, quaternions, scales, opacities, features),
-            *(torch.eye(4), workload.intrinsics, *size),
-        )
+        result = reference.rasterize(*inputs, *camera)
         state["loss"] = result.features.sum() + result.alpha.sum()
 
     def backward() -> None:
@@ -162,17 +119,17 @@ def time_reference(workload: Workload, channels: int) -> dict[str, float]:
 def measure(kernel: str, name: str, channels: int, threads: int) -> dict[str, Any]:
     """One row, in this process."""
     torch.set_num_threads(threads)
-    workload = WORKLOADS[name]
+    drawing = workloads()[name].drawing(channels)
     if kernel == "reference":
-        times = time_reference(workload, channels)
+        times = time_reference(drawing)
     else:
-        times = time_kernels(workload, channels, naive=kernel == "naive")
+        times = time_kernels(drawing, naive=kernel == "naive")
     return {
         "kernel": kernel,
         "workload": name,
-        "gaussians": workload.gaussians,
-        "width": workload.width,
-        "height": workload.height,
+        "gaussians": len(drawing.means),
+        "width": drawing.width,
+        "height": drawing.height,
         "channels": channels,
         "threads": threads,
         **{f"{part}_ms": times[part] for part in ("project", "forward", "backward")},
@@ -185,7 +142,7 @@ def measure(kernel: str, name: str, channels: int, threads: int) -> dict[str, An
 def rows_to_measure(quick: bool) -> list[tuple[str, str, int, int]]:
     """(kernel, workload, channels, threads), the naive kernel first: it counts the pairs."""
     rows = []
-    for workload in list(WORKLOADS.values())[: 2 if quick else None]:
+    for workload in list(workloads().values())[: 2 if quick else None]:
         rows.append(("naive", workload.name, 3, 1))
         if workload.with_reference:
             rows.append(("reference", workload.name, 3, 1))

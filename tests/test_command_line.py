@@ -25,7 +25,9 @@ def test_every_stage_has_help(stage):
 
 
 def test_missing_scene_is_one_sentence(tmp_path):
-    done = run("masks", "--scene", str(tmp_path), "--sky", "given", "--target", str(tmp_path / "m"))
+    done = run(
+        "masks", "--scene", str(tmp_path), "--sources", "{}", "--target", str(tmp_path / "m")
+    )
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1

@@ -4,7 +4,8 @@ import sys
 
 import click
 
-from r3gw.cli import data, report, runs, use  # noqa: F401 - importing them registers the commands
+# Importing the modules registers their commands.
+from r3gw.cli import check, data, report, runs, score, use  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError
 

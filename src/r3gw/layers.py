@@ -11,6 +11,10 @@ LAYERS = (
     ("losses",),
     ("training",),
     ("evaluation",),
+    ("relightable",),
+    ("relighting",),
+    ("export",),
     ("reporting",),
+    ("doctor",),
     ("cli",),
 )

@@ -1,6 +1,7 @@
 """r3gw.evaluation.evaluate: the stage from files to files."""
 
 import json
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -22,23 +23,47 @@ def test_writes_records_lights_and_pictures(tiny, tmp_path):
         ("b_exact", "nerf-osr"),
         ("b_exact", "exact"),
         ("c_swept", "nerf-osr"),
+        ("b_exact", "full-yaw"),
+        ("c_swept", "full-yaw"),
         ("a_0", "learned"),
         ("a_1", "learned"),
     }
     assert images["c_swept", "nerf-osr"]["psnr"] > 50
     assert images["b_exact", "exact"]["scene"] == "tiny"
     assert {r["view"] for r in content["decomposition"]} == {"b_exact", "a_0", "a_1"}
-    renders = {path.name for path in (target / "renders").iterdir()}
+    renders = target / "renders"
     for kind in ("truth", "nerf-osr", "exact", "albedo", "normal", "depth", "sky", "foreground"):
-        assert f"b_exact_{kind}.png" in renders
-    assert {"a_0_learned.png", "a_0_albedo.png", "a_1_learned.png"} <= renders
-    difference = read_rgb(target / "renders/b_exact_exact.png").astype(int) - read_rgb(
-        target / "renders/b_exact_truth.png"
+        assert (renders / kind / "b_exact.png").is_file()
+    assert {path.stem for path in (renders / "learned").iterdir()} == {"a_0", "a_1"}
+    difference = read_rgb(renders / "exact/b_exact.png").astype(int) - read_rgb(
+        renders / "truth/b_exact.png"
     )
     assert np.abs(difference).max() <= 1
     # The wall stands 6 in front of every camera.
-    depth = read_linear(target / "renders/b_exact_depth.exr")
+    depth = read_linear(target / "renders/depth/b_exact.exr")
     np.testing.assert_allclose(np.median(depth[20:, :, 0]), 6.0, rtol=0.02, atol=0)
+
+
+def test_every_image_has_a_file_of_its_own(tiny, tmp_path):
+    evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path, num_threads=1)
+    whole = json.loads((tmp_path / "metrics.json").read_text())
+    files = {p.relative_to(tmp_path / "images"): p for p in tmp_path.glob("images/*/*.json")}
+    assert len(files) == len(whole["images"])
+    for record in whole["images"]:
+        path = tmp_path / "images" / record["protocol"] / f"{record['view']}.json"
+        assert json.loads(path.read_text()) == {**record, "run": whole["run"]}
+        assert record["protocol_version"] == 1
+
+
+def test_cost_is_measured(tiny, tmp_path):
+    start = perf_counter()
+    evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path, num_threads=1)
+    seconds = perf_counter() - start
+    cost = json.loads((tmp_path / "cost.json").read_text())
+    assert 30 / cost["renders_per_second"] < seconds
+    assert cost["render_megapixels"] == pytest.approx(48 * 32 / 1e6, rel=1e-9, abs=0)
+    assert cost["render_threads"] == 1
+    assert 50 < cost["peak_rss_mb"] < 20_000
 
 
 def test_lights_are_those_of_the_model(tiny, tmp_path):
@@ -55,6 +80,8 @@ def test_same_inputs_give_the_same_bytes(tiny, tmp_path):
         evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path / name, num_threads=1)
     for path in sorted((tmp_path / "one").rglob("*.*")):
         twin = tmp_path / "two" / path.relative_to(tmp_path / "one")
+        if path.name == "cost.json":  # clocks
+            continue
         assert path.read_bytes() == twin.read_bytes(), path.name
 
 

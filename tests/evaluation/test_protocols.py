@@ -8,6 +8,7 @@ import torch
 from r3gw.evaluation.protocols import (
     PROTOCOLS,
     Exact,
+    FullYaw,
     Learned,
     NerfOsr,
     diffuse_oracle,
@@ -28,6 +29,21 @@ def test_sweep_finds_the_angle_that_lit_the_photo(tiny):
     assert len(figures["sweep_psnr"]) == len(figures["sweep_angles_rad"]) == 51
     assert figures["sweep_psnr"][BEST_INDEX] == pytest.approx(figures["psnr"], rel=1e-9, abs=0)
     assert min(figures["sweep_psnr"]) < 35  # the sun matters
+
+
+def test_the_whole_circle_holds_the_best_angle_to_its_step(tiny):
+    figures = FullYaw().evaluate(tiny.bench, tiny.view("c_swept")).figures
+    angles = np.array(figures["sweep_angles_rad"])
+    np.testing.assert_allclose(np.diff(angles), 2 * np.pi / 48, rtol=1e-9, atol=0)
+    assert angles[0] == -np.pi
+    true = -1.0 + 2.5 * BEST_INDEX / 50
+    assert abs(figures["angle_rad"] - true) <= np.pi / 48
+    assert figures["psnr"] == max(figures["sweep_psnr"])
+    assert figures["psnr"] < NerfOsr().evaluate(tiny.bench, tiny.view("c_swept")).figures["psnr"]
+
+
+def test_oracles_say_so():
+    assert {p.name for p in PROTOCOLS if p.is_oracle} == {"nerf-osr", "full-yaw"}
 
 
 def test_exact_light_is_in_the_photos_own_units(tiny):
@@ -62,6 +78,7 @@ def test_which_views_are_covered(tiny):
     }
     assert covered == {
         "nerf-osr": ["b_exact", "c_swept"],
+        "full-yaw": ["b_exact", "c_swept"],
         "exact": ["b_exact"],
         "learned": ["a_0", "a_1"],
     }

@@ -4,14 +4,13 @@ import pytest
 import torch
 
 from r3gw.files import InputError
-from r3gw.gaussians.compose import foreground_colours, render
-from r3gw.gaussians.foreground import shortest_axes
+from r3gw.gaussians.compose import render
 from r3gw.gaussians.initial import InitialPoints
 from r3gw.gaussians.model import initial_model, load_model, save_model
+from r3gw.gaussians.reference import shortest_axes
 from r3gw.gaussians.sky import SkyDome
+from r3gw.gaussians.splats import splats_of
 from r3gw.geometry.rotations import rotation_from_quaternion
-from r3gw.imaging.colour import display_from_linear
-from r3gw.shading.cook_torrance import shade
 
 
 @pytest.fixture
@@ -28,14 +27,14 @@ def test_depth_lies_between_the_nearest_and_the_farthest(rendering, model, camer
     del model, camera
     covered = rendering.alpha > 0.5
     assert int(covered.sum()) > 100
-    seen = rendering.depths[rendering.radii_px > 0].detach()
+    seen = rendering.splats.depths[rendering.radii_px > 0].detach()
     depth = rendering.depth.detach()[covered]
     assert float(seen.min()) - 1e-3 <= float(depth.min())
     assert float(depth.max()) <= float(seen.max()) + 1e-3
 
 
 def test_normals_face_the_camera_and_leave_the_sky_out(model, camera):
-    _, normals = foreground_colours(model, camera, model.appearance(0)[0])
+    normals = splats_of(model, camera, *model.appearance(0)).features[: len(model.foreground), 4:7]
     to_camera = -model.foreground["means"].detach()
     assert bool(((normals.detach() * to_camera).sum(-1) >= 0).all())
     with torch.no_grad():
@@ -53,21 +52,6 @@ def test_normal_is_the_shortest_axis(model):
     index = rows["log_scales"].detach().argmin(-1)
     for i in (0, 7, 31):
         torch.testing.assert_close(normals[i], rotations[i][:, index[i]], rtol=0, atol=1e-6)
-
-
-def test_colours_are_the_reference_shading(model, camera):
-    light = model.appearance(0)[0].detach()
-    colours, normals = foreground_colours(model, camera, light)
-    to_camera = torch.nn.functional.normalize(-model.foreground["means"].detach(), dim=-1)
-    linear = shade(
-        normals.detach(),
-        to_camera,
-        model.foreground["albedo_logits"].detach().sigmoid(),
-        model.foreground["roughness_logits"].detach().sigmoid(),
-        light,
-        with_specular=True,
-    )
-    torch.testing.assert_close(colours.detach(), display_from_linear(linear), rtol=0, atol=1e-4)
 
 
 def test_white_sky(model, camera):

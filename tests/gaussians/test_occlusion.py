@@ -6,7 +6,7 @@ import pytest
 import torch
 from numpy.testing import assert_allclose
 
-from r3gw.gaussians.compose import foreground_colours
+from r3gw.gaussians import reference
 from r3gw.gaussians.model import load_model, save_model
 from r3gw.gaussians.occlusion import (
     OpacityGrid,
@@ -19,6 +19,7 @@ from r3gw.gaussians.occlusion import (
     visibility,
 )
 from r3gw.gaussians.rows import OCCLUSION, Rows
+from r3gw.gaussians.splats import splats_of
 from r3gw.lighting import sh
 from r3gw.lighting.irradiance import irradiance
 from r3gw.settings.train import OcclusionSettings
@@ -184,18 +185,38 @@ def test_smoothing_averages_like_normals_only():
     assert_allclose(result.numpy(), [[2.0], [2.0], [100.0]], rtol=2e-4, atol=0)
 
 
-def test_shading_subtracts_what_is_lost(model, camera, tmp_path):
-    """Display colours follow the dimmer irradiance; the model file keeps the occlusion."""
-    light = uniform() * 0.3
-    before, _ = foreground_colours(model, camera, light)
+@pytest.mark.parametrize("degree", [2, 4])
+def test_shading_subtracts_what_is_lost(model, camera, degree):
+    """The kernel equals the plain form, forwards and backwards, and is dimmer by what is lost."""
+    generator = torch.Generator().manual_seed(1)
+    light = (0.2 * uniform())[: (degree + 1) ** 2]
+    light = (light + 0.02 * torch.randn(light.shape, generator=generator)).requires_grad_()
+    before = splats_of(model, camera, light, None).features[:, :3].detach()
     count = len(model.foreground)
-    lost = torch.zeros(count, 25)
-    lost[:, 0] = -0.5 * pi / (4 * pi) ** 0.5  # half of a uniform light's irradiance
+    lost = -0.6 * torch.rand(count, light.shape[0], generator=generator)
+    model.foreground.add_computed(OCCLUSION, lost * (torch.arange(light.shape[0]) == 0))
+    pull = torch.randn(before.shape, generator=generator)
+    inputs = [light, model.foreground["albedo_logits"], model.foreground["quaternions"]]
+    found = []
+    for form in (splats_of, reference.splats_of):
+        colours = form(model, camera, light, None).features[:, :3]
+        found.append((colours.detach(), torch.autograd.grad((colours * pull).sum(), inputs)))
+    (ours, gradients), (plain, expected) = found
+    torch.testing.assert_close(ours, plain, rtol=1e-5, atol=1e-6)
+    for one, other in zip(gradients, expected, strict=True):
+        torch.testing.assert_close(one, other, rtol=2e-3, atol=2e-5)
+    albedo = model.foreground["albedo_logits"].detach().sigmoid()
+    change = albedo / pi * (model.foreground[OCCLUSION] @ light.detach())
+    expected_linear = before[:count] ** 2.2 + change
+    is_inside = (expected_linear > 1e-3) & (before[:count] < 1)
+    dimmed = ours[:count] ** 2.2
+    torch.testing.assert_close(dimmed[is_inside], expected_linear[is_inside], rtol=1e-4, atol=1e-5)
+    assert bool((dimmed < before[:count] ** 2.2)[is_inside].all())
+
+
+def test_model_file_keeps_occlusion(model, tmp_path):
+    lost = torch.randn(len(model.foreground), 25, generator=torch.Generator().manual_seed(0))
     model.foreground.add_computed(OCCLUSION, lost)
-    after, _ = foreground_colours(model, camera, light)
-    albedo = model.foreground["albedo_logits"].sigmoid()
-    expected = before**2.2 - albedo * 0.3 * 0.5
-    assert_allclose((after**2.2).detach().numpy(), expected.detach().numpy(), rtol=1e-4, atol=1e-5)
     save_model(model, tmp_path / "model.pt")
     again = load_model(tmp_path / "model.pt").foreground
     assert not again[OCCLUSION].requires_grad

@@ -48,6 +48,26 @@ def test_colours_keep_their_order(tmp_path, suffix):
     assert cv2.imread(str(tmp_path / f"a{suffix}"))[0, 0, 0] == pytest.approx(50, abs=2, rel=0)
 
 
+@pytest.mark.parametrize("progressive", [0, 1])
+def test_cut_off_jpeg_is_refused_however_it_is_wrapped(tmp_path, progressive):
+    image = np.random.default_rng(0).integers(0, 255, (40, 60, 3), dtype=np.uint8)
+    options = [cv2.IMWRITE_JPEG_PROGRESSIVE, progressive]
+    whole = cv2.imencode(".jpg", image, options)[1].tobytes()
+    thumbnail = cv2.imencode(".jpg", image[::4, ::4])[1].tobytes()
+    segment = b"\xff\xe1" + (2 + len(thumbnail)).to_bytes(2, "big") + thumbnail
+    wrapped = whole[:2] + segment + whole[2:]
+    path = tmp_path / "a.jpg"
+    # A phone appends a film, whose bytes may look like markers.
+    for data in (whole, wrapped, wrapped + b"\xff\xda\xff\xd8film"):
+        path.write_bytes(data)
+        assert read_rgb(path).shape == (40, 60, 3)
+    for data in (whole, wrapped):
+        for share in (0.3, 0.6, 0.95):
+            path.write_bytes(data[: int(len(data) * share)])
+            with pytest.raises(InputError, match=r"a\.jpg: not a readable picture"):
+                read_rgb(path)
+
+
 def test_exr_round_trip_is_exact_and_nan_is_refused(tmp_path):
     image = np.random.default_rng(0).normal(size=(5, 7, 3)).astype(np.float32) * 1e4
     write_exr(tmp_path / "a.exr", image)

@@ -1,13 +1,17 @@
 """r3gw.reporting.tables against averages worked out by hand from small metrics files."""
 
 import json
+import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from r3gw.files import InputError
-from r3gw.reporting.tables import ablations, decomposition, runs_table, table1
+from r3gw.reporting.listings import cost, decomposition, images_table, runs_table
+from r3gw.reporting.tables import ablations, table1
 
 
 def record(view: str, protocol: str, psnr: float, **more: float) -> dict:
@@ -40,8 +44,17 @@ def write_metrics(
         "num_foreground": 1000,
         "num_sky": 200 + seed,
     }
+    images += [record(f"v{i}", "full-yaw", psnr + 0.5) for i, psnr in enumerate(psnrs)]
     parts = [{"view": "v0", "albedo_psnr": 20.0 + seed}, {"view": "t0", "light_error": 0.25}]
-    path = folder / f"{scene}_{variant}_{seed}.json"
+    speed = {
+        "renders_per_second": 40.0 + seed,
+        "render_megapixels": 0.0432,
+        "render_threads": 1,
+        "peak_rss_mb": 300.0,
+    }
+    path = folder / f"{scene}_{variant}_{seed}" / "metrics.json"
+    path.parent.mkdir(exist_ok=True)
+    path.with_name("cost.json").write_text(json.dumps(speed))
     path.write_text(json.dumps({"run": run, "images": images, "decomposition": parts}))
     return path
 
@@ -74,6 +87,9 @@ def test_table1_averages_views_then_seeds_then_scenes(files, tmp_path):
     assert full.mse_avg == pytest.approx(0.021, rel=1e-5, abs=0)
     assert full.mae_exact_avg == pytest.approx(0.04, rel=1e-5, abs=0)
     assert full.sweep_gain_psnr_avg == pytest.approx(1.0, rel=1e-5, abs=0)
+    assert full.sweep_gain_psnr_arcade == pytest.approx(1.0, rel=1e-5, abs=0)
+    assert full.full_yaw_gain_psnr_avg == pytest.approx(1.5, rel=1e-5, abs=0)
+    assert full.psnr_full_yaw_avg == 21.5
     assert full.n_seeds == 2
     # Averages per seed are 20 and 22.
     assert full.psnr_std_avg == pytest.approx(2**0.5, rel=1e-5, abs=0)
@@ -98,19 +114,42 @@ def test_same_files_give_the_same_bytes(files, tmp_path):
         assert first.read_bytes() == second.read_bytes()
 
 
-def test_markdown_and_latex_hold_the_rounded_figures(files, tmp_path):
+def test_markdown_has_a_table_per_protocol(files, tmp_path):
     table1(files, None, tmp_path / "table1.csv")
-    markdown = (tmp_path / "table1.md").read_text().splitlines()
-    cells = [cell.strip() for cell in markdown[2].split("|")[1:-1]]
-    heads = [cell.strip() for cell in markdown[0].split("|")[1:-1]]
-    row = dict(zip(heads, cells, strict=True))
-    assert (row["Method"], row["PSNR chapel"], row["PSNR avg"]) == ("r3gw", "23.00", "21.00")
-    assert (row["SSIM avg"], row["PSNR exact avg"]) == ("0.210", "20.00")
+    blocks = (tmp_path / "table1.md").read_text().split("**Protocol ")[1:]
+    assert [block.split(":")[0] for block in blocks] == ["nerf-osr", "full-yaw", "exact", "learned"]
+    rows = [line.split("|")[1:-1] for line in blocks[2].splitlines() if line.startswith("|")]
+    row = {head.strip(): cell.strip() for head, cell in zip(rows[0], rows[2], strict=True)}
+    assert (row["Method"], row["PSNR chapel"], row["PSNR avg"]) == ("r3gw", "22.00", "20.00")
+    assert row["SSIM avg"] == "0.200"
+
+
+def test_latex_is_a_booktabs_tabular(files, tmp_path):
+    table1(files, None, tmp_path / "table1.csv")
     latex = (tmp_path / "table1.tex").read_text()
-    assert all(rule in latex for rule in (r"\toprule", r"\midrule", r"\bottomrule"))
-    ends = [line for line in latex.splitlines() if line.endswith(r"\\")]
-    assert {line.count("&") for line in ends} == {len(heads) - 1}
-    assert "_" not in latex.replace(r"\_", "")
+    assert all(f"\\{name}rule\n" in latex for name in ("top", "mid", "bottom"))
+    assert latex.count("\\begin{tabular}") == latex.count("\\end{tabular}") == 1
+    columns = latex.split("\\begin{tabular}{")[1].split("}")[0]
+    for line in latex.splitlines():
+        if line.endswith("\\\\"):
+            spans = [int(n) - 1 for n in re.findall(r"\\multicolumn\{(\d+)\}", line)]
+            assert line.count("&") + 1 + sum(spans) == len(columns), line
+    assert "r3gw & \\textbf{23.00} & \\textbf{0.230} & 0.023 & 0.046 &" in latex
+    body = latex.split("\n", 1)[1]
+    assert "_" not in body.replace("\\_", "")
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="needs LaTeX")
+def test_latex_compiles(files, tmp_path):
+    table1(files, None, tmp_path / "table1.csv")
+    document = (
+        "\\documentclass{article}\\usepackage{booktabs,graphicx}\\begin{document}"
+        "\\resizebox{\\linewidth}{!}{\\input{table1}}\\end{document}"
+    )
+    (tmp_path / "paper.tex").write_text(document)
+    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "paper.tex"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-2000:]
 
 
 def test_published_rows_only_beside_the_papers_scenes(tmp_path, repository):
@@ -132,6 +171,11 @@ def test_published_rows_only_beside_the_papers_scenes(tmp_path, repository):
     assert table.loc["r3gw"].group == "measured"
     assert pd.isna(table.loc["FEGR"].ssim_avg)
     assert pd.isna(table.loc["R3GW"].iterations)
+    latex = (tmp_path / "real.tex").read_text()
+    published_panel, measured_panel = latex.split("\\addlinespace")[:2]
+    assert "\\emph{published, protocol nerf-osr" in published_panel
+    assert "R3GW & " in published_panel
+    assert "R3GW &" not in measured_panel
 
 
 def test_a_scene_without_truth_has_no_exact_column_and_none_in_the_average(tmp_path):
@@ -175,6 +219,26 @@ def test_one_row_per_run(files, tmp_path):
     assert "psnr" not in parts.columns
 
 
+def test_cost_of_every_run(files, tmp_path):
+    cost(files, tmp_path / "cost.csv")
+    row = pd.read_csv(tmp_path / "cost.csv").loc[1]
+    assert (row.scene, row.variant, row.seed) == ("chapel", "full", 1)
+    assert row.training_minutes == pytest.approx(11.0 / 60, rel=1e-5, abs=0)
+    assert (row.training_peak_rss_mb, row.num_gaussians) == (501.0, 1201)
+    assert (row.renders_per_second, row.render_megapixels) == (41.0, 0.0432)
+
+
+def test_one_row_per_image_and_protocol(files, tmp_path):
+    images_table(files, tmp_path / "images.csv")
+    images = pd.read_csv(tmp_path / "images.csv")
+    assert len(images) == 8 * (2 + 2 + 2 + 1)
+    chosen = images[(images.scene == "arcade") & (images.variant == "full") & (images.seed == 1)]
+    by_image = chosen.set_index(["protocol", "view"])
+    assert by_image.loc[("exact", "v1"), "psnr"] == 21.0
+    assert by_image.loc[("exact", "v1"), "oracle_psnr"] == 27.0
+    assert set(chosen.settings_digest) == {"digestfull1"}
+
+
 def test_photos_without_test_views_still_make_a_table(tmp_path):
     path = write_metrics(tmp_path, "sacre", "full", 0, [])
     table1([path], None, tmp_path / "table1.csv")
@@ -190,6 +254,10 @@ def test_bad_files_are_named(files, tmp_path):
         table1([tmp_path / "gone.json"], None, tmp_path / "t.csv")
     with pytest.raises(InputError, match="scene chapel, variant full, seed 0"):
         table1([files[0], files[0]], None, tmp_path / "t.csv")
+    (files[0].with_name("cost.json")).unlink()
+    with pytest.raises(InputError, match=r"cost\.json: no such file; evaluate the run first"):
+        table1(files[:1], None, tmp_path / "t.csv")
     (tmp_path / "old.json").write_text("{}")
+    (tmp_path / "cost.json").write_text("{}")
     with pytest.raises(InputError, match=r"old\.json: not a metrics file"):
         table1([tmp_path / "old.json"], None, tmp_path / "t.csv")

@@ -105,15 +105,16 @@ def test_evaluation_entry_is_resolved_by_file_name(place):
 
 def test_second_import_leaves_nothing_of_the_first(place):
     _, target = imported(place)
-    place.write_split(f"filename;split\n{layout_a.STEMS[0]}.JPG;train")
+    place.write_split(f"filename;split\n{layout_a.STEMS[0]}.JPG;train\n{layout_a.STEMS[2]};train")
     scene, _ = imported(place)
-    assert len(scene.views) == 1
-    assert [path.stem for path in (target / "images").iterdir()] == [layout_a.STEMS[0]]
+    assert len(scene.views) == 2
+    left = {path.stem for path in (target / "images").iterdir()}
+    assert left == {layout_a.STEMS[0], layout_a.STEMS[2]}
 
 
 def test_views_outside_the_split_are_left_out_with_a_warning(place, caplog):
-    place.write_split(f"filename;split\n{layout_a.STEMS[0]}.png;train")
-    assert len(imported(place)[0].views) == 1
+    place.write_split(f"filename;split\n{layout_a.STEMS[0]}.png;train\n{layout_a.STEMS[1]};train")
+    assert len(imported(place)[0].views) == 2
     assert "left out, not in place_split.csv" in caplog.text
 
 
@@ -124,6 +125,11 @@ def break_photo(place):
 def break_photo_size(place):
     path = place.undistorted / "images" / f"{layout_a.STEMS[0]}.jpg"
     layout_a.picture(path, np.zeros((48, 60, 3), np.uint8))
+
+
+def cut_photo_in_half(place):
+    path = place.undistorted / "images" / f"{layout_a.STEMS[0]}.jpg"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
 def truncate_photo(place):
@@ -176,14 +182,21 @@ def nan_pose(place):
 @pytest.mark.parametrize(
     ("damage", "sentence"),
     [
-        (break_photo, r"names photos that are not in images/ \(01-08_07_30_img_0001\)"),
+        (
+            break_photo,
+            r"one file is missing .*\(undistorted/images/01-08_07_30_IMG_0001.jpg\)",
+        ),
         (break_photo_size, r"the photo is 60x48 px but its camera is 64x48 px"),
+        (cut_photo_in_half, r"IMG_0001.jpg: not a readable picture"),
         (truncate_photo, r"IMG_0001.jpg: not a readable picture"),
         (break_mask_size, r"IMG_0002.PNG: the mask is 32x24 px but its photo is 64x48 px"),
         (double_stem, r"has the same stem as"),
         (no_split, r"no \*_split.csv here"),
         (env_map_not_two_to_one, r"20x16 px; an equirectangular map must be twice as wide"),
-        (no_env_map, r"names envmap.jpg, which is not there"),
+        (
+            no_env_map,
+            r"one file is missing .*ENV_MAP_CC/03-08_18_00/envmap.jpg",
+        ),
         (truncated("points3D"), r"points3D.bin: the file is damaged or cut off"),
         (truncated("images"), r"images.bin: the file is damaged or cut off"),
         (truncated("cameras"), r"cameras.bin: the file is damaged or cut off"),
@@ -209,6 +222,7 @@ def test_broken_source_gets_one_sentence(place, damage, sentence):
         ("filename;split\na.jpg", "line 2 has 1 columns"),
         ("", "is empty"),
         (f"filename;split\n{layout_a.STEMS[0]}.jpg;test", "no training photo is left"),
+        (f"filename;split\n{layout_a.STEMS[0]}.jpg;train", "only one training photo is left"),
     ],
 )
 def test_wrong_split_file_gets_one_sentence(place, text, sentence):

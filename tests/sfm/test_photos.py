@@ -1,75 +1,36 @@
 """Photos to scene, on pictures of a made place whose cameras are known, and on real photos."""
 
+import json
 import os
-import struct
 from itertools import pairwise
 from pathlib import Path
 
 import cv2
 import numpy as np
+import pycolmap
 import pytest
+from exif import with_orientation
+from place import SIZE, place_photo
 from scipy.spatial.transform import Rotation
 
 from r3gw.files import InputError
-from r3gw.imaging.files import read_rgb
+from r3gw.imaging.files import read_grey, read_rgb
 from r3gw.scene import load_points
 from r3gw.settings import PhotosScene
 from r3gw.sfm import import_scene
+from r3gw.sfm.colmap_model import from_reconstruction
+from r3gw.sfm.registration import Mapped, registration_report
+from r3gw.sfm.source import SourceScene, SourceView
 
-SIZE = (400, 300)
-FOCAL_PX = 380.0
+MASKS = {"is_valid": "masks", "is_sky": "sky_masks"}
+PATTERNS = {  # white of row and column, at full size
+    "is_valid": lambda _row, column: column < 0.9 * SIZE[0],
+    "is_sky": lambda row, _column: row >= 0.2 * SIZE[1],
+}
 REPOSITORY = Path(__file__).parents[2]
 SACRE_COEUR = Path(
     os.environ.get("R3GW_SACRE_COEUR", REPOSITORY.parent / "shared" / "data" / "sacre_coeur")
 )
-# Point, two axes, extent along both: two walls that meet at z = 6, and the ground; up is -y.
-PLANES = (
-    ((0, 1, 6), (-0.8, 0, -0.6), (0, -1, 0), (6, 4)),
-    ((0, 1, 6), (0.6, 0, -0.8), (0, -1, 0), (6, 4)),
-    ((-5, 1, 0), (1, 0, 0), (0, 0, 1), (10, 8)),
-)
-
-
-def texture(seed):
-    rng = np.random.default_rng(seed)
-    image = sum(
-        cv2.resize(rng.normal(size=(n, n)).astype(np.float32), (800, 800), interpolation=3) * w
-        for n, w in ((12, 25), (50, 30), (160, 30))
-    )
-    return np.clip(image + 120, 0, 255).astype(np.uint8)
-
-
-TEXTURES = [texture(seed) for seed in range(3)]
-
-
-def place_photo(cam_from_world, centre):
-    """Ray cast the planes: an oracle that shares no code with the importer."""
-    x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
-    rays = np.stack([x - SIZE[0] / 2, y - SIZE[1] / 2, np.full_like(x, FOCAL_PX)], -1)
-    rays = rays @ cam_from_world
-    image = np.full((SIZE[1], SIZE[0]), 200, np.uint8)
-    nearest = np.full(image.shape, np.inf)
-    for (point, first, second, extent), pixels in zip(PLANES, TEXTURES, strict=True):
-        first, second = np.array(first, float), np.array(second, float)
-        normal = np.cross(first, second)
-        distance = ((np.array(point) - centre) @ normal) / (rays @ normal)
-        offset = centre + distance[..., None] * rays - np.array(point)
-        u, v = offset @ first / extent[0], offset @ second / extent[1]
-        hit = (distance > 0) & (distance < nearest) & (abs(u - 0.5) < 0.5) & (abs(v - 0.5) < 0.5)
-        nearest[hit] = distance[hit]
-        maps = [(value * 799).astype(np.float32) for value in (u, v)]
-        image[hit] = cv2.remap(pixels, *maps, cv2.INTER_LINEAR)[hit]
-    return image
-
-
-def jpeg_with_orientation(path, image, orientation):
-    """Store a photo turned, with the EXIF tag that turns it back (6: stored a quarter left)."""
-    data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 97])[1].tobytes()
-    tiff = b"II*\0" + struct.pack("<IHHHIHHI", 8, 1, 0x0112, 3, 1, orientation, 0, 0)
-    segment = b"Exif\0\0" + tiff
-    path.write_bytes(
-        data[:2] + b"\xff\xe1" + struct.pack(">H", len(segment) + 2) + segment + data[2:]
-    )
 
 
 @pytest.fixture(scope="module")
@@ -87,11 +48,19 @@ def made(tmp_path_factory):
         centres[f"photo_{number}"] = centre
         image = place_photo(turn.as_matrix().T, centre)
         if number == 2:
-            jpeg_with_orientation(photos / "photo_2.jpg", np.rot90(image), 6)
+            with_orientation(photos / "photo_2.jpg", np.rot90(image), 6)
         else:
             cv2.imwrite(str(photos / f"photo_{number}.{'JPG' if number else 'png'}"), image)
+    for name, folder_name in MASKS.items():
+        (photos / folder_name).mkdir()
+        mask = (PATTERNS[name](*np.mgrid[: SIZE[1], : SIZE[0]]) * 255).astype(np.uint8)
+        for stem in ("photo_1", "photo_2"):
+            # That of the turned photo is of its stored pixels.
+            stored = np.rot90(mask) if stem == "photo_2" else mask
+            cv2.imwrite(str(photos / folder_name / f"{stem}.png"), stored)
     noise = rng.integers(0, 255, (30, 40), dtype=np.uint8)
     cv2.imwrite(str(photos / "elsewhere.png"), cv2.resize(noise, SIZE))
+    cv2.imwrite(str(photos / "fog.png"), np.full(SIZE[::-1], 90, np.uint8))
     settings = PhotosScene(format="photos", path=".", max_image_px=200)
     scene = import_scene("made", settings, photos, folder / "scene", num_threads=2, seed=1)
     return folder, scene, centres
@@ -130,13 +99,55 @@ def test_turned_photo_is_upright(made):
     assert np.corrcoef(found.ravel(), expected.ravel())[0, 1] > 0.8
 
 
+def test_masks_beside_photos_are_undistorted_with_them(made):
+    """The lens that SfM found is weak, so edges stay within a few pixels of the scaled mask."""
+    folder, scene, _ = made
+    for name in MASKS:
+        assert len(list((folder / "scene" / "given" / name).iterdir())) == 2
+    for view in scene.views[1:3]:
+        assert (view.width, view.height) == (200, pytest.approx(150, abs=2))
+        row, column = np.mgrid[: view.height, : view.width] * 2 + 0.5
+        for name, pattern in PATTERNS.items():
+            mask = read_grey(folder / "scene" / "given" / name / f"{view.name}.png") >= 128
+            white = mask if name == "is_valid" else ~mask
+            assert np.mean(white == pattern(row, column)) > 0.98
+
+
 def test_photo_of_elsewhere_falls_out_and_is_reported(made):
     folder, scene, _ = made
-    report = (folder / "scene" / "sfm_report.json").read_text()
+    report = json.loads((folder / "scene" / "sfm_report.json").read_text())
     assert [view.name for view in scene.views] == [f"photo_{n}" for n in range(7)]
-    assert '"not_registered": [\n    "elsewhere.png"\n  ]' in report
+    assert (report["photos"], len(report["registered"])) == (9, 7)
+    assert report["not_registered"] == {
+        "elsewhere.png": "matches no other photo",
+        "fog.png": "only 0 features (blurred, plain or masked)",
+    }
     left = {path.name for path in (folder / "scene").iterdir()}
-    assert left == {"scene.json", "sfm_report.json", "points.npz", "images"}
+    assert left == {"scene.json", "sfm_report.json", "points.npz", "images", "given"}
+
+
+def test_a_second_group_of_photos_is_named(tmp_path):
+    groups = []
+    for names in (("a", "b", "c"), ("x", "y")):
+        model = pycolmap.Reconstruction()
+        camera = pycolmap.Camera.create_from_model_id(1, pycolmap.CameraModelId.PINHOLE, 9, 9, 9)
+        model.add_camera_with_trivial_rig(camera)
+        for number, name in enumerate(names, start=1):
+            image = pycolmap.Image(name=f"{name}.png", camera_id=1, image_id=number)
+            model.add_image_with_trivial_frame(image, pycolmap.Rigid3d())
+        groups.append(model)
+    groups[0].add_point3D(np.ones(3), pycolmap.Track(), np.zeros(3, np.uint8))
+    photos = {name: tmp_path / f"{name}.jpg" for name in "abcxy"}
+    mapped = Mapped(groups[0], groups[1:], tmp_path / "database.db")
+    model = from_reconstruction(groups[0], tmp_path)
+    views = tuple(
+        SourceView(Path(name).stem, tmp_path / name, camera, "train")
+        for name, camera in model.cameras.items()
+    )
+    report = registration_report(photos, mapped, SourceScene(views, model.points))
+    reason = "belongs to another group of 2 photos that does not connect"
+    assert report["not_registered"] == {"x.jpg": reason, "y.jpg": reason}
+    assert report["models"] == 2
 
 
 def test_same_seed_gives_the_same_bytes(made):
@@ -152,7 +163,10 @@ def test_too_few_photos_and_photos_without_overlap_get_advice(tmp_path):
     settings = PhotosScene(format="photos", path=".")
     photos = tmp_path / "photos"
     photos.mkdir()
-    with pytest.raises(InputError, match="0 photos here, but at least 3 are needed"):
+    with pytest.raises(InputError, match="0 photos are here, but at least 3 are needed"):
+        import_scene("few", settings, photos, tmp_path / "scene", num_threads=1)
+    cv2.imwrite(str(photos / "0.png"), np.zeros((30, 40), np.uint8))
+    with pytest.raises(InputError, match="one photo is here, but at least 3 are needed; take more"):
         import_scene("few", settings, photos, tmp_path / "scene", num_threads=1)
     for seed in range(3):
         noise = np.random.default_rng(seed).integers(0, 255, (15, 20), dtype=np.uint8)

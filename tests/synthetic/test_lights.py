@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from r3gw.geometry.cameras import Camera
+from r3gw.lighting import daylight
 from r3gw.lighting.envmap import pixel_directions, published_directions
 from r3gw.synthetic import lights, render
 from r3gw.synthetic.generate import PLACES
@@ -46,7 +47,7 @@ def test_one_bright_patch_lights_a_plane_from_its_direction() -> None:
     light = np.full((HEIGHT, 2 * HEIGHT, 3), 1e-6)
     light[12, 20] = 1000.0
     towards = pixel_directions(HEIGHT, 2 * HEIGHT)[12, 20].numpy()
-    energy = 1000.0 * lights.solid_angles(HEIGHT)[12, 20, 0]
+    energy = 1000.0 * daylight.solid_angles(HEIGHT)[12, 20, 0]
     square = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
     materials = {"matte": Material((0.5, 0.5, 0.5))}
     place = render.scene(
@@ -75,15 +76,15 @@ def test_the_sun_dominates_a_clear_day_and_is_gone_on_a_grey_one() -> None:
     for session, low, high in ((CLEAR, 0.6, 0.9), (GREY, 0.0, 0.1)):
         light = light_of(session)
         directions = pixel_directions(HEIGHT, 2 * HEIGHT).numpy()
-        weight = lights.solid_angles(HEIGHT) * np.maximum(-directions[..., 1:2], 0)
+        weight = daylight.solid_angles(HEIGHT) * np.maximum(-directions[..., 1:2], 0)
         near_sun = (directions @ session.sun_direction > np.cos(radians(6)))[..., None]
         lit = (light * weight).sum((0, 1)).mean()
         assert low < (light * weight * near_sun).sum((0, 1)).mean() / lit < high
 
 
 def test_splatting_keeps_direction_and_irradiance() -> None:
-    light = lights._splat(np.array([2.0, 3.0, 4.0]), CLEAR, HEIGHT)
-    power = light * lights.solid_angles(HEIGHT)
+    light = daylight.splat(np.array([2.0, 3.0, 4.0]), CLEAR.sun, HEIGHT)
+    power = light * daylight.solid_angles(HEIGHT)
     np.testing.assert_allclose(power.sum((0, 1)), [2, 3, 4], rtol=1e-12, atol=0)
     directions = pixel_directions(HEIGHT, 2 * HEIGHT).numpy()
     mean = (power[..., :1] * directions).sum((0, 1))
@@ -94,8 +95,8 @@ def test_the_ground_half_is_lambertian_ground_under_the_upper_half() -> None:
     light = light_of(CLEAR)
     directions = pixel_directions(HEIGHT, 2 * HEIGHT).numpy()
     up = np.maximum(-directions[..., 1:2], 0)
-    irradiance = (light * lights.solid_angles(HEIGHT) * up)[: HEIGHT // 2].sum((0, 1))
-    ground = lights.GROUND_ALBEDO / pi * irradiance
+    irradiance = (light * daylight.solid_angles(HEIGHT) * up)[: HEIGHT // 2].sum((0, 1))
+    ground = daylight.GROUND_ALBEDO / pi * irradiance
     np.testing.assert_allclose(light[-1, 5], ground, rtol=1e-9, atol=0)
 
 
@@ -118,7 +119,7 @@ def test_the_panorama_is_the_map_turned_by_the_yaw() -> None:
 
 @pytest.mark.parametrize("yaw", [-2.0, 0.4, 3.0])
 def test_the_published_mapping_at_our_angle_meets_the_true_sun(yaw: float) -> None:
-    light = 0.3 + lights._splat(np.full(3, 50.0), CLEAR, HEIGHT)
+    light = 0.3 + daylight.splat(np.full(3, 50.0), CLEAR.sun, HEIGHT)
     panorama = lights.phone_panorama(light, yaw)
     bright = panorama.min(axis=-1) > 0.999
     angle = lights.published_sun_angle(CLEAR, lights.whole_pixel_yaw(yaw, HEIGHT))

@@ -33,11 +33,12 @@ def photos() -> list[Photo]:
         cam_from_world = torch.eye(4, dtype=torch.float64)
         cam_from_world[0, 3] = shift
         camera = Camera(cam_from_world, (30.0, 30.0, 16.0, 12.0), 32, 24)
-        pixels = torch.tensor([150, 90, 80], dtype=torch.uint8).repeat(24, 32, 1)
-        pixels[:8] = torch.tensor([90, 140, 220], dtype=torch.uint8)
+        planes = torch.empty(3, 24, 32, dtype=torch.uint8)
+        planes[:, :8] = torch.tensor([90, 140, 220], dtype=torch.uint8)[:, None, None]
+        planes[:, 8:] = torch.tensor([150, 90, 80], dtype=torch.uint8)[:, None, None]
         is_sky = torch.zeros(24, 32, dtype=torch.bool)
         is_sky[:8] = True
-        found.append(Photo(name, camera, pixels, torch.ones(24, 32, dtype=torch.bool), is_sky))
+        found.append(Photo(name, camera, planes, torch.ones(24, 32, dtype=torch.bool), is_sky))
     return found
 
 

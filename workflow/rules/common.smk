@@ -5,6 +5,7 @@ from pathlib import Path
 
 from r3gw.files import InputError
 from r3gw.layers import LAYERS
+from r3gw.reporting.kinds import PICTURES, PLOTS
 from r3gw.settings import load_config, run_settings
 from snakemake.exceptions import WorkflowError
 
@@ -13,16 +14,22 @@ try:
 except InputError as error:
     raise WorkflowError(str(error))
 
-PUBLISHED = f"{workflow.basedir}/config/published.csv"
+DEFAULTS = f"{workflow.basedir}/config"
+TRAIN_FILE, VARIANTS_FILE = f"{DEFAULTS}/train.yaml", f"{DEFAULTS}/variants.yaml"
+PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
 VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})
 
-for name in set(SCENES) - set(SYNTHETIC):
-    if not Path(CONFIG.scenes[name].path).is_dir():
-        raise WorkflowError(
-            f"config: scene '{name}': no folder {CONFIG.scenes[name].path}; correct its 'path'"
-        )
+if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
+    # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
+    from r3gw.sfm.completeness import require_complete
+
+    try:
+        for name in GIVEN:
+            require_complete(name, CONFIG.scenes[name], Path(CONFIG.scenes[name].path))
+    except InputError as error:
+        raise WorkflowError(str(error))
 
 # Rules call the interpreter that runs Snakemake, whether its environment is active or not.
 shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PATH; ")
@@ -32,6 +39,9 @@ wildcard_constraints:
     scene="|".join(SCENES),
     variant="|".join(VARIANTS),
     seed=r"\d+",
+
+
+SOURCES = {".py", ".cpp", ".h", ".j2", ".css", ".js"}
 
 
 def library(package):
@@ -45,7 +55,12 @@ def library(package):
         raise ValueError(f"no layer of r3gw holds the package {package!r}")
     root = Path(workflow.basedir) / "src/r3gw"
     sources = (p for name in [*below, package] for p in (root / name).rglob("*"))
-    return sorted(str(p) for p in sources if p.suffix in {".py", ".cpp", ".h"})
+    return sorted(str(p) for p in sources if p.suffix in SOURCES)
+
+
+def config_json():
+    """The whole configuration of this run, as JSON."""
+    return CONFIG.model_dump_json()
 
 
 def entry_json(wildcards):
@@ -61,9 +76,9 @@ def scene_source(wildcards):
     return entry.path
 
 
-def sky_masks(wildcards):
-    """Where the sky masks of a scene come from."""
-    return CONFIG.scenes[wildcards.scene].sky_masks
+def mask_sources(wildcards):
+    """Where the masks of a scene come from, as JSON."""
+    return CONFIG.scenes[wildcards.scene].mask_sources().model_dump_json()
 
 
 def resolved(variant, seed):
@@ -73,8 +88,8 @@ def resolved(variant, seed):
             CONFIG,
             variant,
             seed,
-            train_file=Path(workflow.basedir) / "config/train.yaml",
-            variants_file=Path(workflow.basedir) / "config/variants.yaml",
+            train_file=Path(TRAIN_FILE),
+            variants_file=Path(VARIANTS_FILE),
         )
     except InputError as error:
         raise WorkflowError(str(error))
@@ -109,3 +124,17 @@ def figure_runs(wildcards):
 def figure_metrics(wildcards):
     """What the evaluation of those runs wrote."""
     return [f"{run}/metrics/metrics.json" for run in figure_runs(wildcards)]
+
+
+def scene_figure(kind):
+    """A figure of a scene, shown by `snakemake --report` too."""
+    return report(
+        f"results/figures/{{scene}}_{kind}.png",
+        caption="../report/figures.rst",
+        category="Scenes",
+        subcategory="{scene}",
+        labels={"figure": kind.replace("_", " ")},
+    )
+
+
+SCENE_FIGURES = [scene_figure(kind) for kind in (*PICTURES, *PLOTS)]

@@ -11,6 +11,8 @@ rule evaluate:
     output:
         metrics="results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
         lights="results/{scene}/{variant}/seed{seed}/metrics/lights.json",
+        relit="results/{scene}/{variant}/seed{seed}/metrics/relit/relit.json",
+        cost="results/{scene}/{variant}/seed{seed}/metrics/cost.json",
     log:
         "logs/evaluate/{scene}.{variant}.seed{seed}.log",
     shell:

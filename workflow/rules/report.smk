@@ -1,4 +1,4 @@
-# Tables and figures over all runs.
+# Tables, figures and the report over all runs.
 
 
 rule table1:
@@ -12,11 +12,21 @@ rule table1:
             seed=CONFIG.seeds,
         ),
     output:
-        csv=ensure("results/table1.csv", non_empty=True),
+        csv=report(
+            ensure("results/table1.csv", non_empty=True),
+            caption="../report/table1.rst",
+            category="Tables",
+        ),
         markdown="results/table1.md",
         latex="results/table1.tex",
-        decomposition="results/decomposition.csv",
+        decomposition=report(
+            "results/decomposition.csv",
+            caption="../report/decomposition.rst",
+            category="Tables",
+        ),
+        cost=report("results/cost.csv", caption="../report/cost.rst", category="Tables"),
         runs="results/runs.csv",
+        images="results/images.csv",
     log:
         "logs/table1.log",
     shell:
@@ -34,7 +44,11 @@ rule ablation_table:
             seed=CONFIG.ablations.seeds,
         ),
     output:
-        csv=ensure("results/ablations.csv", non_empty=True),
+        csv=report(
+            ensure("results/ablations.csv", non_empty=True),
+            caption="../report/ablations.rst",
+            category="Tables",
+        ),
         runs="results/ablation_runs.csv",
     log:
         "logs/ablations.log",
@@ -46,20 +60,42 @@ rule figures:
     input:
         code=library("reporting"),
         scene="results/{scene}/scene/scene.json",
+        masks="results/{scene}/masks/masks.json",
+        initial="results/{scene}/initial.npz",
         metrics=figure_metrics,
     output:
-        multiext(
-            "results/figures/{scene}_",
-            "views.png",
-            "decomposition.png",
-            "lights.png",
-            "training.png",
-        ),
+        SCENE_FIGURES,
     log:
         "logs/figures/{scene}.log",
     params:
         runs=figure_runs,
     shell:
         "python -m r3gw figures --name {wildcards.scene}"
-        " --scene results/{wildcards.scene}/scene --target results/figures"
+        " --scene results/{wildcards.scene}/scene"
+        " --masks results/{wildcards.scene}/masks --target results/figures"
         " {params.runs} > {log} 2>&1"
+
+
+rule html_report:
+    input:
+        code=library("reporting"),
+        tables=["results/table1.csv", "results/decomposition.csv", "results/cost.csv"],
+        initial=collect("results/{scene}/initial.npz", scene=SCENES),
+        masks=collect("results/{scene}/masks/masks.json", scene=SCENES),
+        metrics=collect(
+            "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
+            scene=SCENES,
+            variant=CONFIG.variants,
+            seed=CONFIG.seeds[0],
+        ),
+    output:
+        ensure("results/report.html", non_empty=True),
+    log:
+        "logs/report.log",
+    params:
+        scenes=collect("--scene {scene}", scene=SCENES),
+        variants=collect("--variant {variant}", variant=CONFIG.variants),
+        seed=CONFIG.seeds[0],
+    shell:
+        "python -m r3gw report --results results {params.scenes} {params.variants}"
+        " --seed {params.seed} --target {output} > {log} 2>&1"

@@ -4,12 +4,14 @@
 rule generate:
     input:
         code=library("synthetic"),
+        checked="results/{scene}/checked_source.json",
     output:
         directory("results/{scene}/source"),
     log:
         "logs/generate/{scene}.log",
     wildcard_constraints:
         scene="|".join(SYNTHETIC) or "none",
+    priority: 10
     params:
         entry=entry_json,
     shell:
@@ -20,11 +22,13 @@ rule import_scene:
     input:
         code=library("sfm"),
         source=scene_source,
+        checked="results/{scene}/checked_source.json",
     output:
         "results/{scene}/scene/scene.json",
         "results/{scene}/scene/points.npz",
     log:
         "logs/import/{scene}.log",
+    priority: 10
     threads: 2
     params:
         entry=entry_json,
@@ -42,11 +46,12 @@ rule masks:
         "results/{scene}/masks/masks.json",
     log:
         "logs/masks/{scene}.log",
+    priority: 10
     params:
-        sky=sky_masks,
+        sources=mask_sources,
     shell:
         "python -m r3gw masks --scene results/{wildcards.scene}/scene"
-        " --sky {params.sky} --target results/{wildcards.scene}/masks > {log} 2>&1"
+        " --sources {params.sources:q} --target results/{wildcards.scene}/masks > {log} 2>&1"
 
 
 rule initialise:
@@ -58,6 +63,7 @@ rule initialise:
         "results/{scene}/initial.npz",
     log:
         "logs/initialise/{scene}.log",
+    priority: 10
     params:
         sky=sky_json,
     shell:

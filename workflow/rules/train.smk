@@ -22,6 +22,7 @@ rule train:
         masks="results/{scene}/masks/masks.json",
         initial="results/{scene}/initial.npz",
         settings="results/{scene}/{variant}/seed{seed}/settings.json",
+        checked="results/{scene}/checked.json",
     output:
         model=ensure("results/{scene}/{variant}/seed{seed}/model.pt", non_empty=True),
         history="results/{scene}/{variant}/seed{seed}/history.csv",

@@ -1,12 +1,13 @@
 """Commands that make and check data: from a dataset or photos to masks and initial points."""
 
 from pathlib import Path
-from typing import Literal
 
 import click
 
 from r3gw.cli.group import FILE, FOLDER, THREADS, cli, json_object
 from r3gw.settings.validation import validated
+
+SOURCE = click.Path(path_type=Path)
 
 
 @cli.command()
@@ -32,11 +33,17 @@ def generate(entry: str, target: Path) -> None:
 @cli.command("import")
 @click.option("--scene", required=True, help="Name of the scene.")
 @click.option("--entry", required=True, help="The scene's config entry as JSON.")
-@click.option("--source", type=FOLDER, required=True, help="Dataset folder or folder of photos.")
+@click.option(
+    "--source", type=SOURCE, required=True, help="Dataset folder, folder of photos, or a video."
+)
 @click.option("--target", type=FOLDER, required=True, help="Folder of the imported scene.")
 @THREADS
 def import_scene(scene: str, entry: str, source: Path, target: Path, threads: int) -> None:
-    """Import a dataset, or reconstruct a folder of photos, into one scene format."""
+    """Import a dataset, or reconstruct a folder of photos, into one scene format.
+
+    The format is in the entry: nerf-osr, nerf-osr-original, colmap, nerfstudio or photos
+    (config/README.md). Missing files are named before anything is read.
+    """
     from r3gw.settings.config import parse_scene
     from r3gw.sfm import import_scene as run
 
@@ -47,19 +54,15 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
 @cli.command()
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--target", type=FOLDER, required=True, help="Folder of the masks.")
-@click.option(
-    "--sky",
-    type=click.Choice(["given", "classical", "given-or-classical"]),
-    required=True,
-    help="Where sky masks come from.",
-)
-def masks(
-    scene: Path, target: Path, sky: Literal["given", "classical", "given-or-classical"]
-) -> None:
+@click.option("--sources", required=True, help="Where masks come from, as JSON: the entry's keys.")
+def masks(scene: Path, target: Path, sources: str) -> None:
     """Check given masks and make missing ones."""
     from r3gw.masks import make_masks
+    from r3gw.settings import MaskSources
 
-    make_masks(scene, target, sky=sky)
+    make_masks(
+        scene, target, validated(MaskSources, json_object(sources, "--sources"), "--sources")
+    )
 
 
 @cli.command()

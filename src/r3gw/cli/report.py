@@ -14,24 +14,52 @@ from r3gw.cli.group import FILE, FOLDER, cli
 @click.argument("metrics", nargs=-1, required=True, type=FILE)
 def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path, ...]) -> None:
     """Make tables from the metrics.json files of any number of runs."""
+    from r3gw.reporting import listings
     from r3gw.reporting import tables as make
 
     if kind == "table1":
-        make.runs_table(metrics, target / "runs.csv")
-        make.decomposition(metrics, target / "decomposition.csv")
+        listings.images_table(metrics, target / "images.csv")
+        listings.runs_table(metrics, target / "runs.csv")
+        listings.decomposition(metrics, target / "decomposition.csv")
+        listings.cost(metrics, target / "cost.csv")
         make.table1(metrics, published, target / "table1.csv")
     else:
-        make.runs_table(metrics, target / "ablation_runs.csv")
+        listings.runs_table(metrics, target / "ablation_runs.csv")
         make.ablations(metrics, target / "ablations.csv")
 
 
 @cli.command()
 @click.option("--name", required=True, help="Scene name, the beginning of the files' names.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
+@click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
 @click.option("--target", type=FOLDER, required=True, help="Folder of the figures.")
 @click.argument("runs", nargs=-1, required=True, type=FOLDER)
-def figures(name: str, scene: Path, target: Path, runs: tuple[Path, ...]) -> None:
+def figures(name: str, scene: Path, masks: Path, target: Path, runs: tuple[Path, ...]) -> None:
     """Draw the figures of a scene from its evaluated runs; the first run is the main one."""
     from r3gw.reporting.figures import scene_figures
 
-    scene_figures(name, scene, runs, target)
+    scene_figures(name, scene, masks, runs, target)
+
+
+@cli.command()
+@click.option("--results", type=FOLDER, required=True, help="Folder of tables and scenes.")
+@click.option("--scene", "scenes", multiple=True, required=True, help="A scene; repeatable.")
+@click.option(
+    "--variant", "variants", multiple=True, required=True, help="Variants, the main one first."
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the runs shown.")
+@click.option("--target", type=FILE, required=True, help="The page (.html).")
+def report(
+    results: Path, scenes: tuple[str, ...], variants: tuple[str, ...], seed: int, target: Path
+) -> None:
+    """Write one self-contained HTML page: tables, test views, and every scene in detail."""
+    from r3gw.reporting.report import write_report
+    from r3gw.reporting.scene_page import SceneFolders
+
+    folders = [
+        SceneFolders(
+            results / name, tuple(results / name / variant / f"seed{seed}" for variant in variants)
+        )
+        for name in scenes
+    ]
+    write_report(results, folders, target)

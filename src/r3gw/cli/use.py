@@ -1,44 +1,173 @@
-"""Commands that use a trained scene."""
+"""Commands that use a trained scene: relighting and export."""
 
 from pathlib import Path
+from typing import Any, Literal
 
 import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
+from r3gw.cli.sections import SWEEP, SectionCommand, light_options, option
+from r3gw.relighting.sweep import Sweep
+
+SCENE, CAMERA, OUTPUT = "Scene", "Camera", "Output"
+MODEL = option(
+    SCENE, "--model", type=FILE, required=True, help="model.pt of a run, or relightable.ply."
+)
+SCENE_FOLDER = option(
+    SCENE, "--scene", type=FOLDER, required=True, help="Folder of the imported scene."
+)
 
 
-@cli.command()
-@click.option("--model", type=FILE, required=True, help="model.pt of the run.")
-@click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
-@click.option("--view", required=True, help="Photo whose camera is used.")
-@click.option("--env-map", type=FILE, help="Environment map: .exr, .hdr, .jpg or .png.")
-@click.option("--yaw-deg", type=float, default=0.0, help="Turn of the map about the vertical.")
-@click.option("--exposure", type=float, default=1.0, help="Factor on the map.")
-@click.option("--light-of", help="Training photo whose learned light is used instead of a map.")
-@click.option("--sky", help="white, or learned:PHOTO. Default: white under a map.")
-@click.option("--output", type=FILE, required=True, help="Picture to write (.png or .jpg).")
+@cli.command(cls=SectionCommand)
+@MODEL
+@SCENE_FOLDER
+@option(
+    CAMERA,
+    "--view",
+    multiple=True,
+    required=True,
+    metavar="PHOTO",
+    help="Training or test photo whose camera is used; several make a smooth path through them.",
+)
+@option(
+    CAMERA,
+    "--orbit-deg",
+    type=SWEEP,
+    metavar="SWEEP",
+    help="Carry the view's camera about the scene, looking at its middle; positive to the right.",
+)
+@option(CAMERA, "--width", type=click.IntRange(2), help="Picture width in px; default the photo's.")
+@light_options
+@option(
+    OUTPUT,
+    "--output",
+    type=FILE,
+    multiple=True,
+    required=True,
+    help=".png, .jpg, .exr (linear light), .mp4, or numbered frames such as frames/%04d.png. "
+    "May be given several times.",
+)
+@option(
+    OUTPUT,
+    "--frames",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="Number of frames of a film.",
+)
+@option(
+    OUTPUT,
+    "--fps",
+    type=click.FloatRange(0, min_open=True),
+    default=25.0,
+    show_default=True,
+    help="Frames per second of .mp4.",
+)
+@option(OUTPUT, "--threads", type=click.IntRange(1), default=1, help="CPU threads.")
 def relight(
     model: Path,
     scene: Path,
-    view: str,
-    env_map: Path | None,
-    yaw_deg: float,
-    exposure: float,
-    light_of: str | None,
-    sky: str | None,
-    output: Path,
+    view: tuple[str, ...],
+    orbit_deg: Sweep | None,
+    width: int | None,
+    output: tuple[Path, ...],
+    frames: int,
+    fps: float,
+    threads: int,
+    tone: str,
+    **light: Any,
 ) -> None:
-    """Render a photo's view under an environment map or under another photo's light."""
-    from r3gw.evaluation.relight import relight_view
+    """Show a trained scene from any camera under any light, as a picture or as a film.
 
-    relight_view(
+    A SWEEP is a number, or FROM:TO (or FROM:VIA:TO) to change evenly over the film.
+
+    \b
+    One photo's view under an HDR map:
+      r3gw relight --model M --scene S --view A --env-map sunset.hdr --output relit.png
+    A day around the place, the camera on a path from A by B to C:
+      r3gw relight --model M --scene S --view A --view B --view C \\
+          --sun 10:60:10 90:270 --frames 150 --output day.mp4
+    From one photo's weather to another's, orbiting:
+      r3gw relight --model M --scene S --view A --orbit-deg -30:30 --light-of A \\
+          --light-of B --blend 0:1 --frames 100 --output blend.mp4
+    """
+    from r3gw.relighting.cameras import CameraChoice
+    from r3gw.relighting.relight import FilmChoice
+    from r3gw.relighting.relight import relight as run
+
+    cameras = CameraChoice(view, orbit_deg, width)
+    run(
         model,
         scene,
-        view,
         output,
-        env_map=env_map,
-        yaw_deg=yaw_deg,
-        exposure=exposure,
-        light_of=light_of,
-        sky=sky,
+        cameras,
+        _light(**light),
+        FilmChoice(frames, fps, tone),
+        num_threads=threads,
     )
+
+
+@cli.command(cls=SectionCommand)
+@MODEL
+@SCENE_FOLDER
+@light_options
+@option(
+    OUTPUT,
+    "--target",
+    type=FOLDER,
+    required=True,
+    help="Folder for baked.ply, relightable.ply, baked.glb and lights.json.",
+)
+@option(
+    OUTPUT,
+    "--view",
+    metavar="PHOTO",
+    help="Bake reflections as this photo's camera sees them; default: the mean over all "
+    "training cameras.",
+)
+@option(
+    OUTPUT,
+    "--coordinates",
+    type=click.Choice(["scene", "source"]),
+    default="scene",
+    show_default=True,
+    help="scene: upright (up = -y), r3gw's scale; source: those of the dataset or reconstruction.",
+)
+def export(
+    model: Path,
+    scene: Path,
+    target: Path,
+    view: str | None,
+    coordinates: Literal["scene", "source"],
+    tone: str,
+    **light: Any,
+) -> None:
+    """Write a trained scene for viewers of Gaussian splats, under one light.
+
+    \b
+    baked.ply         what SuperSplat, antimatter15 and gsplat viewers open
+    relightable.ply   the same with albedo, roughness and is_sky; `relight --model` reads it
+    baked.glb         glTF 2.0 with KHR_gaussian_splatting
+    lights.json       the learned lights as spherical harmonics
+    """
+    from r3gw.export.export import export as run
+
+    chosen = _light(**light)
+    run(model, scene, target, chosen, view=view, tone=tone, coordinates=coordinates)
+
+
+def _light(
+    env_map: Path | None,
+    light_of: tuple[str, ...],
+    blend: Sweep,
+    sun: tuple[Sweep, Sweep] | None,
+    turbidity: float,
+    yaw_deg: Sweep,
+    exposure: float | Literal["auto"] | None,
+    sky: str | None,
+) -> Any:
+    """The LightChoice of the options."""
+    from r3gw.relighting.lights import LightChoice, SunChoice
+
+    day = None if sun is None else SunChoice(*sun, turbidity)
+    return LightChoice(env_map, light_of, day, blend, yaw_deg, exposure, sky)

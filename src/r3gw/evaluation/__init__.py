@@ -1,1 +1,1 @@
-"""How good a trained scene is: protocols, metrics, decomposition, relighting."""
+"""How good a trained scene is: protocols, metrics, decomposition."""

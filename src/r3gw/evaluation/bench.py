@@ -50,10 +50,7 @@ class Bench:
         Raises:
             InputError: If the mask is unreadable.
         """
-        if view.evaluation is None or view.evaluation.mask is None:
-            return np.ones((view.height, view.width), np.bool_)
-        given = read_mask(self.scene_folder / view.evaluation.mask)
-        return evaluation_mask(given, view.width, view.height)
+        return scored_pixels(self.scene_folder, view)
 
     def masks(self, view: View) -> tuple[Bool[np.ndarray, "h w"], Bool[np.ndarray, "h w"]]:
         """``(is_valid, is_sky)``: no passer-by; sky.
@@ -78,6 +75,18 @@ class Bench:
         """The view under a light, display values in [0, 1]; no sky light means a white sky."""
         colour = render(self.model, view.camera, light, sky_light).colour
         return colour.clamp(0.0, 1.0).double().numpy()
+
+
+def scored_pixels(scene_folder: Path, view: View) -> Bool[np.ndarray, "h w"]:
+    """The view's evaluation mask, eroded; the whole photo if it has none.
+
+    Raises:
+        InputError: If the mask is unreadable.
+    """
+    if view.evaluation is None or view.evaluation.mask is None:
+        return np.ones((view.height, view.width), np.bool_)
+    given = read_mask(scene_folder / view.evaluation.mask)
+    return evaluation_mask(given, view.width, view.height)
 
 
 @lru_cache(maxsize=64)

@@ -1,7 +1,9 @@
-"""The evaluation stage: a trained model in, metrics.json, lights.json and pictures out.
+"""The evaluation stage: a trained model in, figures per image, lights and pictures out.
 
 metrics.json holds ``run`` (run.json of the training, as it is), ``images`` (one record per view
-and protocol) and ``decomposition`` (one record per view and kind of comparison).
+and protocol) and ``decomposition`` (one record per view and kind of comparison). Every image
+record also stands alone in images/<protocol>/<view>.json, with the run that it belongs to.
+cost.json holds what was measured with a clock; all other files are the same for the same model.
 """
 
 import json
@@ -14,7 +16,9 @@ import torch
 from tqdm import tqdm
 
 from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.cost import measured_cost
 from r3gw.evaluation.decomposition import light_records, sky_records, surface_records
+from r3gw.evaluation.gallery import evenly, write_gallery
 from r3gw.evaluation.lights import photo_light
 from r3gw.evaluation.pictures import bytes_from_display, depth_picture, normal_picture
 from r3gw.evaluation.protocols import PROTOCOLS, Outcome, ViewProtocol
@@ -38,9 +42,10 @@ def evaluate_run(
         scene_folder: Imported scene.
         masks_folder: Its masks.
         model_path: model.pt, with the training's run.json beside it.
-        target: Folder for metrics.json, lights.json and renders/, which holds
-            ``<view>_{truth,albedo,normal,depth,sky,foreground}.png``, ``<view>_depth.exr`` and
-            ``<view>_<protocol>.png`` of all test views and of four training views.
+        target: Folder for metrics.json, lights.json, cost.json, images/<protocol>/<view>.json,
+            renders/ and relit/ (`write_gallery`). renders/ holds, of all test views and of four
+            training views, ``<kind>/<view>.png`` where a kind is a protocol or one of truth,
+            albedo, normal, depth, sky, foreground; depth also as ``.exr``.
         num_threads: CPU threads of torch and the rasterizer.
 
     Raises:
@@ -51,9 +56,15 @@ def evaluate_run(
     scene = load_scene(scene_folder)
     bench = Bench(load_model(model_path), scene, scene_folder, masks_folder)
     (target / "metrics.json").unlink(missing_ok=True)
-    shutil.rmtree(target / "renders", ignore_errors=True)
+    for name in ("renders", "images", "relit"):
+        shutil.rmtree(target / name, ignore_errors=True)
     images = _protocol_records(bench, target / "renders", str(run["scene"]))
+    for record in images:
+        path = target / "images" / record["protocol"] / f"{record['view']}.json"
+        write_json(path, {**record, "run": run})
+    write_gallery(bench, target / "relit")
     write_json(target / "lights.json", learned_lights(bench.model))
+    write_json(target / "cost.json", measured_cost(bench, num_threads))
     decomposition = surface_records(bench) + light_records(bench) + sky_records(bench)
     write_json(
         target / "metrics.json", {"run": run, "images": images, "decomposition": decomposition}
@@ -78,7 +89,7 @@ def _read_run(path: Path) -> dict[str, Any]:
 
 def _protocol_records(bench: Bench, folder: Path, scene: str) -> list[dict[str, Any]]:
     """Score every view under every protocol that covers it, and write pictures on the way."""
-    pictured = {view.name for view in _evenly(bench.scene.split("train"), NUM_LEARNED_PICTURES)}
+    pictured = {view.name for view in evenly(bench.scene.split("train"), NUM_LEARNED_PICTURES)}
     records = []
     for view in tqdm(bench.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
         outcome = None
@@ -88,7 +99,7 @@ def _protocol_records(bench: Bench, folder: Path, scene: str) -> list[dict[str, 
             outcome = protocol.evaluate(bench, view)
             records.append(_record(protocol, view, scene, outcome))
             if view.split == "test" or view.name in pictured:
-                path = folder / f"{view.name}_{protocol.name}.png"
+                path = folder / protocol.name / f"{view.name}.png"
                 write_image(path, bytes_from_display(outcome.picture))
         if outcome is not None and (view.split == "test" or view.name in pictured):
             _write_parts(bench, view, outcome, folder)
@@ -102,14 +113,9 @@ def _record(protocol: ViewProtocol, view: View, scene: str, outcome: Outcome) ->
         "session": view.session,
         "protocol": protocol.name,
         "protocol_version": protocol.version,
+        "is_oracle": protocol.is_oracle,
         **outcome.figures,
     }
-
-
-def _evenly(views: tuple[View, ...], count: int) -> list[View]:
-    """At most ``count`` of the views, evenly spread."""
-    chosen = np.unique(np.linspace(0, len(views) - 1, min(count, len(views))).round().astype(int))
-    return [views[i] for i in chosen]
 
 
 def _write_parts(bench: Bench, view: View, outcome: Outcome, folder: Path) -> None:
@@ -128,5 +134,5 @@ def _write_parts(bench: Bench, view: View, outcome: Outcome, folder: Path) -> No
         "sky": bytes_from_display(sky),
     }
     for kind, picture in parts.items():
-        write_image(folder / f"{view.name}_{kind}.png", picture)
-    write_exr(folder / f"{view.name}_depth.exr", np.repeat(depth[..., None], 3, axis=2))
+        write_image(folder / kind / f"{view.name}.png", picture)
+    write_exr(folder / "depth" / f"{view.name}.exr", np.repeat(depth[..., None], 3, axis=2))

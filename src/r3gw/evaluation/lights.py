@@ -29,12 +29,24 @@ def map_light(
     Raises:
         InputError: If the map is unreadable or not 2:1.
     """
-    env_map = envmap.read_env_map(path)
-    if path.suffix.lower() in LDR_SUFFIXES:
-        env_map = linear_from_display(env_map)
-    height, width = env_map.shape[:2]
-    light = envmap.project(env_map, envmap.pixel_directions(height, width), degree)
+    light = light_of_map(linear_env_map(path), degree)
     return exposure * rotate(light, rotation_about_axis(1, yaw_rad))
+
+
+def linear_env_map(path: Path) -> Float[Tensor, "h w 3"]:
+    """Read an environment map as linear light; display values (.png, .jpg) are made linear.
+
+    Raises:
+        InputError: If the map is unreadable or not 2:1.
+    """
+    env_map = envmap.read_env_map(path)
+    return linear_from_display(env_map) if path.suffix.lower() in LDR_SUFFIXES else env_map
+
+
+def light_of_map(env_map: Float[Tensor, "h w 3"], degree: int) -> Float[Tensor, "coeff 3"]:
+    """SH light of a linear map that hangs as r3gw.lighting.envmap says."""
+    height, width = env_map.shape[:2]
+    return envmap.project(env_map, envmap.pixel_directions(height, width), degree)
 
 
 @torch.no_grad()

@@ -27,6 +27,7 @@ from r3gw.lighting.sh_rotation import rotate
 from r3gw.scene import EvaluationEntry, GroundTruth, View
 
 NUM_SUN_ANGLES = 51
+NUM_CIRCLE_ANGLES = 48
 
 
 @dataclass(frozen=True)
@@ -47,10 +48,17 @@ class Outcome:
 
 
 class ViewProtocol(ABC):
-    """What a protocol has."""
+    """What a protocol has.
+
+    Attributes:
+        name: In tables and file names.
+        version: Goes into every record.
+        is_oracle: Whether it chooses something by looking at the photo that it is scored on.
+    """
 
     name: str
     version: int
+    is_oracle: bool = False
 
     @abstractmethod
     def covers(self, view: View) -> bool:
@@ -70,6 +78,7 @@ class NerfOsr(ViewProtocol):
 
     name = "nerf-osr"
     version = 1
+    is_oracle = True
 
     def covers(self, view: View) -> bool:
         """Test views that come with an environment map."""
@@ -78,25 +87,29 @@ class NerfOsr(ViewProtocol):
     def evaluate(self, bench: Bench, view: View) -> Outcome:
         """Sweep the sun, keep the best angle; the whole curve is in the figures."""
         assert view.evaluation is not None  # covers() holds
-        first = published_light(bench, view, view.evaluation)
-        photo, is_scored = bench.photo(view), bench.is_scored(view)
-        angles = np.linspace(*view.evaluation.sun_angles_rad, NUM_SUN_ANGLES)
-        curve = [
-            masked_psnr(
-                bench.render(view, at_sun_angle(first, angle), None), photo, is_scored, view.name
-            )
-            for angle in angles
-        ]
-        best = int(np.argmax(curve))
-        light = at_sun_angle(first, angles[best])
-        picture = bench.render(view, light, None)
-        figures = {
-            **asdict(score(picture, photo, is_scored, view.name)),
-            "angle_rad": float(angles[best]),
-            "sweep_angles_rad": angles.tolist(),
-            "sweep_psnr": curve,
-        }
-        return Outcome(picture, light, None, figures)
+        angles_rad = np.linspace(*view.evaluation.sun_angles_rad, NUM_SUN_ANGLES)
+        return _swept(bench, view, view.evaluation, angles_rad)
+
+
+class FullYaw(ViewProtocol):
+    """`NerfOsr` with the whole circle to choose from, in steps of 7.5 degrees.
+
+    What the published range of angles, itself prior knowledge, is worth. The same oracle chooses.
+    """
+
+    name = "full-yaw"
+    version = 1
+    is_oracle = True
+
+    def covers(self, view: View) -> bool:
+        """Test views that come with an environment map."""
+        return view.split == "test" and view.evaluation is not None
+
+    def evaluate(self, bench: Bench, view: View) -> Outcome:
+        """Sweep the sun around the circle, keep the best angle."""
+        assert view.evaluation is not None  # covers() holds
+        angles_rad = np.linspace(-pi, pi, NUM_CIRCLE_ANGLES, endpoint=False)
+        return _swept(bench, view, view.evaluation, angles_rad)
 
 
 class Exact(ViewProtocol):
@@ -149,7 +162,31 @@ class Learned(ViewProtocol):
         return Outcome(picture, light, sky_light, figures)
 
 
-PROTOCOLS: tuple[ViewProtocol, ...] = (NerfOsr(), Exact(), Learned())
+PROTOCOLS: tuple[ViewProtocol, ...] = (NerfOsr(), FullYaw(), Exact(), Learned())
+
+
+def _swept(
+    bench: Bench, view: View, entry: EvaluationEntry, angles_rad: Float[np.ndarray, "angles"]
+) -> Outcome:
+    """The view at the sun angle whose masked PSNR against the test photo is best."""
+    first = published_light(bench, view, entry)
+    photo, is_scored = bench.photo(view), bench.is_scored(view)
+    curve = [
+        masked_psnr(
+            bench.render(view, at_sun_angle(first, angle), None), photo, is_scored, view.name
+        )
+        for angle in angles_rad
+    ]
+    best = int(np.argmax(curve))
+    light = at_sun_angle(first, angles_rad[best])
+    picture = bench.render(view, light, None)
+    figures = {
+        **asdict(score(picture, photo, is_scored, view.name)),
+        "angle_rad": float(angles_rad[best]),
+        "sweep_angles_rad": angles_rad.tolist(),
+        "sweep_psnr": curve,
+    }
+    return Outcome(picture, light, None, figures)
 
 
 def published_light(bench: Bench, view: View, entry: EvaluationEntry) -> Float[Tensor, "coeff 3"]:

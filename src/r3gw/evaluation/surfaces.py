@@ -7,14 +7,11 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from r3gw.gaussians.compose import (
-    SMALLEST_ALPHA,
-    foreground_colours,
-    render_features,
-)
-from r3gw.gaussians.foreground import directions_to, facing_normals
+from r3gw.gaussians.compose import SMALLEST_ALPHA, draw
 from r3gw.gaussians.model import SceneModel
+from r3gw.gaussians.splats import splats_of
 from r3gw.geometry.cameras import Camera
+from r3gw.lighting import sh
 
 
 @dataclass(frozen=True)
@@ -37,13 +34,13 @@ class Surfaces:
 @torch.no_grad()
 def surfaces_of(model: SceneModel, camera: Camera) -> Surfaces:
     """Render the model's surfaces; no light takes part."""
-    rows = model.foreground
-    normals = facing_normals(rows, directions_to(rows["means"], camera.centre))
+    no_light = torch.zeros(sh.num_coefficients(2), 3)
+    splats = splats_of(model, camera, no_light, None)
     nothing = torch.zeros(len(model.sky.rows), 3)
-    albedo = torch.cat([rows["albedo_logits"].sigmoid(), nothing])
-    rendering = render_features(model, camera, albedo, normals)
-    presence = torch.cat([torch.ones(len(rows), 3), nothing])
-    alpha = render_features(model, camera, presence, normals).colour[..., :1]
+    albedo = model.foreground["albedo_logits"].sigmoid()
+    rendering = draw(splats.with_colours(torch.cat([albedo, nothing])), camera)
+    presence = torch.cat([torch.ones_like(albedo), nothing])
+    alpha = draw(splats.with_colours(presence), camera).colour[..., :1]
     return Surfaces(
         (rendering.colour / alpha.clamp_min(SMALLEST_ALPHA)).double().numpy(),
         torch.nn.functional.normalize(rendering.normal, dim=-1).double().numpy(),
@@ -67,15 +64,11 @@ def apart(
         light: SH environment light.
         sky_light: Sky coefficients; None paints the sky white.
     """
-    foreground, normals = foreground_colours(model, camera, light)
-    num_sky = len(model.sky.rows)
-    sky = torch.ones(num_sky, 3)
-    if sky_light is not None:
-        sky = model.sky.colours(sky_light, camera.centre)
+    splats = splats_of(model, camera, light, sky_light)
+    colours = splats.features[:, :3]
+    is_foreground = torch.arange(len(colours))[:, None] < len(model.foreground)
     shares = []
-    for colours in (
-        torch.cat([foreground, torch.zeros(num_sky, 3)]),
-        torch.cat([torch.zeros_like(foreground), sky]),
-    ):
-        shares.append(render_features(model, camera, colours, normals).colour.double().numpy())
+    for is_shown in (is_foreground, ~is_foreground):
+        shown = draw(splats.with_colours(colours * is_shown), camera)
+        shares.append(shown.colour.double().numpy())
     return shares[0], shares[1]

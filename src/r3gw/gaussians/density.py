@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 from torch.optim import Optimizer
 
+import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.gaussians.foreground import too_large
 from r3gw.gaussians.model import SceneModel
 from r3gw.gaussians.rows import Rows
@@ -38,10 +39,9 @@ class GradientStatistics:
     ) -> None:
         """Take in one view's gradients with respect to pixel positions."""
         # A pixel is 2 / width of the NDC range [-1, 1].
-        per_ndc = gradient_px * torch.tensor([0.5 * width, 0.5 * height])
-        is_visible = radii_px > 0
-        self.total += torch.where(is_visible, per_ndc.norm(dim=-1), 0.0)
-        self.views += is_visible
+        torch.ops.r3gw.add_gradient_norms(
+            self.total, self.views, gradient_px, radii_px, 0.5 * width, 0.5 * height
+        )
 
     def mean(self) -> Float[Tensor, "n"]:
         """Mean gradient norm; 0 for Gaussians that no view saw."""

@@ -7,9 +7,7 @@ from scipy.spatial import cKDTree
 from torch import Tensor
 
 from r3gw.gaussians.rows import Rows
-from r3gw.geometry.rotations import rotation_from_quaternion
 from r3gw.settings.train import InitSettings
-from r3gw.shading.cook_torrance import face_camera
 
 PREFIX = "foreground."
 
@@ -43,27 +41,6 @@ def initial_log_scales(xyz: Float[Tensor, "n 3"]) -> Float[Tensor, "n 3"]:
     distances = np.asarray(cKDTree(points).query(points, k=neighbours + 1)[0])
     mean = torch.from_numpy(distances[:, 1:].mean(axis=1)).float().clamp_min(1e-6)
     return mean.log()[:, None].repeat(1, 3)
-
-
-def shortest_axes(
-    quaternions: Float[Tensor, "n 4"], log_scales: Float[Tensor, "n 3"]
-) -> Float[Tensor, "n 3"]:
-    """Unit normals: the rotation's column of the smallest scale (Sec. 4.2); sign arbitrary."""
-    rotations = rotation_from_quaternion(quaternions)
-    shortest = log_scales.detach().argmin(dim=-1)
-    return rotations.gather(2, shortest[:, None, None].expand(-1, 3, 1)).squeeze(-1)
-
-
-def facing_normals(rows: Rows, to_camera: Float[Tensor, "n 3"]) -> Float[Tensor, "n 3"]:
-    """Normals of all foreground Gaussians, turned towards the camera."""
-    return face_camera(shortest_axes(rows["quaternions"], rows["log_scales"]), to_camera)
-
-
-def directions_to(
-    means: Float[Tensor, "n 3"], camera_centre: Float[Tensor, "3"]
-) -> Float[Tensor, "n 3"]:
-    """Unit vectors from Gaussians to the camera."""
-    return torch.nn.functional.normalize(camera_centre.to(means) - means, dim=-1)
 
 
 def too_large(log_scales: Float[Tensor, "n 3"], limit: float) -> Bool[Tensor, "n"]:

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from scipy.spatial import cKDTree
 from torch import Tensor
 
-from r3gw.gaussians.foreground import shortest_axes
+from r3gw.gaussians.reference import shortest_axes
 from r3gw.gaussians.rows import OCCLUSION, Rows
 from r3gw.geometry.rotations import rotation_from_quaternion
 from r3gw.lighting import sh

@@ -46,6 +46,20 @@ def read_grey(path: Path) -> NDArray[np.uint8]:
     return _read(path, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION).astype(np.uint8)
 
 
+def read_labels(path: Path) -> NDArray[np.uint8]:
+    """Read an 8-bit label map: ids ``[H, W]``, or colours as RGB ``[H, W, 3]``.
+
+    Raises:
+        InputError: If the file is missing, truncated, no picture or not of 8 bits.
+    """
+    pixels = _read(path, cv2.IMREAD_UNCHANGED)
+    if pixels.dtype != np.uint8:
+        raise InputError(f"{path}: holds {pixels.dtype} values; save the label map with 8 bits")
+    if pixels.ndim == 2:
+        return pixels.astype(np.uint8)
+    return cv2.cvtColor(pixels[..., :3], cv2.COLOR_BGR2RGB).astype(np.uint8)
+
+
 def write_image(path: Path, image: NDArray[np.uint8] | NDArray[np.bool_]) -> None:
     """Write RGB ``[H, W, 3]``, grey ``[H, W]`` or a mask (True = white), atomically.
 
@@ -100,6 +114,23 @@ def _read(path: Path, flags: int) -> NDArray[np.integer] | NDArray[np.floating]:
     if not path.is_file():
         raise InputError(f"{path}: no such picture")
     image = cv2.imread(str(path), flags)
-    if image is None:
+    if image is None or not _jpeg_is_whole(path):
         raise InputError(f"{path}: not a readable picture (truncated or of another format?)")
     return np.asarray(image)  # type: ignore[return-value]
+
+
+def _jpeg_is_whole(path: Path) -> bool:
+    """Whether a JPEG reaches its end marker; OpenCV fills a cut-off one with grey, without a word.
+
+    Walks the segments to the start of the scan (ITU T.81, Annex B), so that neither a thumbnail
+    before it nor data appended behind the picture counts. Other formats are whole here.
+    """
+    data = path.read_bytes()
+    if data[:2] != b"\xff\xd8":
+        return True
+    position = 2
+    while data[position : position + 2] not in (b"\xff\xda", b""):
+        filler = data[position : position + 2] == b"\xff\xff"
+        length = int.from_bytes(data[position + 2 : position + 4], "big")
+        position += 1 if filler else 2 + length
+    return data.find(b"\xff\xd9", position) >= 0

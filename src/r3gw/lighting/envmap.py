@@ -58,17 +58,29 @@ def published_directions(
 def project(
     env_map: Float[Tensor, "h w 3"], directions: Float[Tensor, "h w 3"], degree: int
 ) -> Float[Tensor, "coeff 3"]:
-    """SH coefficients of a map whose pixels shine from ``directions``, float32.
+    """SH coefficients of a map whose pixels shine from ``directions``, float32."""
+    return projected(env_map, projection_weights(directions, degree))
+
+
+def projection_weights(
+    directions: Float[Tensor, "h w 3"], degree: int
+) -> Float[Tensor, "h w coeff"]:
+    """Share of every pixel in every SH coefficient, float64; for many maps of one size.
 
     Pixels are weighted by their solid angle, and the weights are scaled to sum to 4 pi so that
     a constant map gives its exact constant at any resolution.
     """
-    height, width = env_map.shape[:2]
-    theta, _ = pixel_angles(height, width)
+    theta, _ = pixel_angles(*directions.shape[:2])
     weight = torch.sin(theta)
     weight = weight * (4 * pi / weight.sum())
-    values = sh.basis(directions.double(), degree) * weight[..., None]
-    return torch.einsum("hwk,hwc->kc", values, env_map.double()).float()
+    return sh.basis(directions.double(), degree) * weight[..., None]
+
+
+def projected(
+    env_map: Float[Tensor, "h w 3"], weights: Float[Tensor, "h w coeff"]
+) -> Float[Tensor, "coeff 3"]:
+    """SH coefficients of a map by its `projection_weights`, float32."""
+    return torch.einsum("hwk,hwc->kc", weights, env_map.double()).float()
 
 
 def draw(coefficients: Float[Tensor, "coeff 3"], height: int) -> Float[Tensor, "{height} w 3"]:

@@ -9,13 +9,13 @@
    clouds, and leaks) that are blue or white, and of the likeliest one that are not warm or that no
    edge as strong as the skyline's cuts off.
 3. GrabCut [2] learns both colours and grows the sky; only parts connected to sure sky stay.
-4. A guided filter [3] brings the border to full resolution.
+4. Near the skyline the colours around each pixel decide (r3gw.masks.skyline): holes in trees
+   become sky, pale cornices and crosses become ground.
 
 It takes for granted that a photo shows sky at its top edge; a smooth wall there is taken for sky.
 
 [1] Shen and Wang, "Sky region detection in a single image for autonomous ground robot
 navigation", IJARS 10, 2013.  [2] Rother, Kolmogorov and Blake, "GrabCut", SIGGRAPH 2004.
-[3] He, Sun and Tang, "Guided image filtering", TPAMI 35(6), 2013.
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from r3gw.masks.skyline import refine_skyline
 
 Rgb = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
@@ -43,8 +45,6 @@ _WHITE = 220.0  # 8-bit brightness of a sunlit cloud
 _CLOUD_EDGE = 0.35  # times the skyline's median gradient
 _GROUND_ROWS = 0.04  # of the height, at the bottom: never sky
 _GRABCUT_ROUNDS = 5
-_GUIDED_RADIUS = 3  # working pixels
-_GUIDED_EPS = 1e-4  # squared, of values in 0..1
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def segment_sky(photo: Rgb) -> Mask:
     sure = _sure_sky(small)
     if sure is None:
         return np.zeros((height, width), dtype=np.bool_)
-    return _full_resolution(_grown(small, sure), photo, factor)
+    return refine_skyline(photo, _grown(small, sure))
 
 
 def _sure_sky(photo: Rgb) -> Mask | None:
@@ -203,15 +203,3 @@ def _grown(photo: Rgb, sure: Mask) -> Mask:
     is_sky = (labels == cv2.GC_FGD) | (labels == cv2.GC_PR_FGD)
     _, regions = cv2.connectedComponents(is_sky.astype(np.uint8), connectivity=4)
     return np.isin(regions, np.setdiff1d(regions[core], [0]))
-
-
-def _full_resolution(is_sky: Mask, photo: Rgb, factor: float) -> Mask:
-    """Scale a mask to the photo's size along the photo's own edges."""
-    height, width = photo.shape[:2]
-    enlarged = cv2.resize(
-        is_sky.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR
-    )
-    guide = photo.astype(np.float32) / 255.0
-    radius = max(1, round(_GUIDED_RADIUS / factor))
-    refined = cv2.ximgproc.guidedFilter(guide, enlarged, radius, _GUIDED_EPS)
-    return np.asarray(refined >= 0.5)

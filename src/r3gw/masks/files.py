@@ -3,55 +3,66 @@
 import logging
 import shutil
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from r3gw.files import InputError, write_json
-from r3gw.imaging.files import read_rgb, write_image
+from r3gw.files import write_json
+from r3gw.imaging.files import write_image
 from r3gw.imaging.masks import read_mask
-from r3gw.masks.classical import segment_sky
+from r3gw.masks.checks import MaskFacts, check_photo, check_scene, sky_facts
+from r3gw.masks.sources import MaskReader
 from r3gw.scene import View, load_scene
+from r3gw.settings.masks import MaskSources
 
-SkyPolicy = Literal["given", "classical", "given-or-classical"]
 Mask = NDArray[np.bool_]
 
 _LOG = logging.getLogger(__name__)
 _KINDS = ("is_valid", "is_sky")
 
 
-def make_masks(scene_folder: Path, target: Path, *, sky: SkyPolicy) -> None:
+def make_masks(scene_folder: Path, target: Path, sources: MaskSources) -> None:
     """Write both masks of every view of a scene, and masks.json last.
+
+    Photos and masks are held one at a time.
 
     Args:
         scene_folder: An imported scene.
         target: Folder to write: is_valid/ and is_sky/ hold one PNG per view, white = True;
-            masks.json tells per view where each mask came from and the share it covers.
-        sky: ``given`` takes the masks of the dataset and fails where one is missing,
-            ``classical`` segments every photo, ``given-or-classical`` only where none is given.
-            Without a given occluder mask every pixel is valid.
+            masks.json tells per view where each mask came from, the share it covers and the
+            polarity that its shape suggests, and lists all warnings.
+        sources: Where masks come from.
 
     Raises:
-        InputError: If a mask is unreadable, of another size than its photo, or missing.
+        InputError: If a mask is missing from all its sources, unreadable, of another size than
+            its photo or certainly wrong (r3gw.masks.checks).
     """
     scene = load_scene(scene_folder)
     (target / "masks.json").unlink(missing_ok=True)
     for kind in _KINDS:
         shutil.rmtree(target / kind, ignore_errors=True)
-    report = {}
+    reader = MaskReader(scene_folder, sources)
+    sky: dict[str, MaskFacts] = {}
+    valid: dict[str, MaskFacts] = {}
+    warnings: list[str] = []
     for view in tqdm(scene.views, desc=f"masks of {scene.name}", unit="photo", leave=False):
-        sky_from, is_sky = _sky(scene_folder, view, sky)
-        valid_from, is_valid = _valid(scene_folder, view)
+        sky_from, is_sky = reader.is_sky(view)
+        valid_from, is_valid = reader.is_valid(view)
+        sky[view.name] = sky_facts(is_sky, sky_from)
+        valid[view.name] = MaskFacts(valid_from, float(is_valid.mean()))
+        warnings += check_photo(view.name, sky[view.name], valid[view.name])
         for kind, mask in zip(_KINDS, (is_valid, is_sky), strict=True):
-            _warn_if_uniform(view, kind, mask)
             write_image(target / kind / f"{view.name}.png", mask)
-        report[view.name] = {
-            "is_sky": {"source": sky_from, "share": round(float(is_sky.mean()), 6)},
-            "is_valid": {"source": valid_from, "share": round(float(is_valid.mean()), 6)},
-        }
-    write_json(target / "masks.json", {"sky": sky, "views": report})
+    warnings += check_scene(sky, valid)
+    for warning in warnings:
+        _LOG.warning(warning)
+    views = {
+        name: {"is_sky": facts.as_json(), "is_valid": valid[name].as_json()}
+        for name, facts in sky.items()
+    }
+    record = {"sources": sources.model_dump(mode="json"), "views": views, "warnings": warnings}
+    write_json(target / "masks.json", record)
 
 
 def load_masks(folder: Path, view: View) -> tuple[Mask, Mask]:
@@ -64,36 +75,3 @@ def load_masks(folder: Path, view: View) -> tuple[Mask, Mask]:
         read_mask(folder / kind / f"{view.name}.png", view.width, view.height) for kind in _KINDS
     )
     return is_valid, is_sky
-
-
-def _sky(folder: Path, view: View, policy: SkyPolicy) -> tuple[str, Mask]:
-    given = folder / "given" / "is_sky" / f"{view.name}.png"
-    if policy != "classical" and given.is_file():
-        return "given", read_mask(given, view.width, view.height)
-    if policy == "given":
-        raise InputError(
-            f"{given}: the dataset has no sky mask for {view.name}; add it, or set "
-            "'sky_masks: given-or-classical' in the scene's entry"
-        )
-    return "classical", segment_sky(read_rgb(folder / view.image))
-
-
-def _valid(folder: Path, view: View) -> tuple[str, Mask]:
-    given = folder / "given" / "is_valid" / f"{view.name}.png"
-    if given.is_file():
-        return "given", read_mask(given, view.width, view.height)
-    return "all", np.ones((view.height, view.width), dtype=np.bool_)
-
-
-_MEANING: dict[tuple[str, bool], str] = {
-    ("is_sky", True): "all sky; it teaches no building",
-    ("is_sky", False): "without any sky",
-    ("is_valid", False): "all occluder; it teaches nothing",
-}
-
-
-def _warn_if_uniform(view: View, kind: str, mask: Mask) -> None:
-    if mask.all() or not mask.any():
-        meaning = _MEANING.get((kind, bool(mask.all())))
-        if meaning is not None:
-            _LOG.warning("mask %s of %s is %s; look at the photo", kind, view.name, meaning)

@@ -80,8 +80,10 @@ def rasterize(
     )
     if means2d.requires_grad:
         means2d.retain_grad()
-    image, alpha = Composite.apply(  # type: ignore[no-untyped-call]
+    planes, alpha = Composite.apply(  # type: ignore[no-untyped-call]
         *(means2d, factors, opacities, features, background),
         *(screen, radii_px, (width, height), columns),
     )
-    return RasterResult(features=image, alpha=alpha, radii_px=radii_px, means2d=means2d)
+    return RasterResult(
+        features=planes.permute(1, 2, 0), alpha=alpha, radii_px=radii_px, means2d=means2d
+    )

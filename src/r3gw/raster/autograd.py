@@ -75,36 +75,33 @@ class Composite(torch.autograd.Function):
         size: tuple[int, int],
         num_feature_gradients: int,
     ) -> tuple[Tensor, Tensor]:
-        """Return the image [H, W, C] and its alpha [H, W]; `size` is (width, height)."""
-        image, alpha, ctx.frame = torch.ops.r3gw.composite(
+        """Return the planes [C, H, W] and their alpha [H, W]; `size` is (width, height)."""
+        planes, alpha, ctx.frame = torch.ops.r3gw.composite(
             means2d, factors, screen, radii, features, background, *size
         )
         ctx.num_feature_gradients = num_feature_gradients
         ctx.set_materialize_grads(False)
-        ctx.save_for_backward(image, alpha, means2d, factors, screen, opacities, features)
-        return image, alpha
+        ctx.save_for_backward(planes, alpha, means2d, factors, screen, opacities, features)
+        return planes, alpha
 
     @staticmethod
     @once_differentiable
     def backward(
-        ctx: Any, grad_image: Tensor | None, grad_alpha: Tensor | None
+        ctx: Any, grad_planes: Tensor | None, grad_alpha: Tensor | None
     ) -> tuple[Tensor | None, ...]:
         """Gradients of means2d, factors, opacities, features and background."""
-        image, alpha, means2d, factors, screen, opacities, features = ctx.saved_tensors
-        grad_image = torch.zeros_like(image) if grad_image is None else grad_image.contiguous()
+        planes, alpha, means2d, factors, screen, opacities, features = ctx.saved_tensors
+        grad_planes = torch.zeros_like(planes) if grad_planes is None else grad_planes.contiguous()
         grad_alpha = None if grad_alpha is None else grad_alpha.contiguous()
         columns = ctx.num_feature_gradients if ctx.needs_input_grad[3] else 0
         to_means2d, to_factors, to_opacities, to_features = torch.ops.r3gw.composite_backward(
             ctx.frame,
-            grad_image,
+            grad_planes,
             grad_alpha,
-            *(image, alpha, means2d, factors, screen, opacities, features),
+            *(planes, alpha, means2d, factors, screen, opacities, features),
             columns,
         )
-        if columns < features.shape[1]:
-            rest = features.shape[1] - columns
-            to_features = torch.nn.functional.pad(to_features, (0, rest))
         to_background = None
         if ctx.needs_input_grad[4]:
-            to_background = torch.ops.r3gw.background_gradient(grad_image, alpha)
+            to_background = torch.ops.r3gw.background_gradient(grad_planes, alpha)
         return to_means2d, to_factors, to_opacities, to_features, to_background, *[None] * 4

@@ -11,7 +11,8 @@ class RasterResult:
     """One composited image and where its Gaussians landed.
 
     Attributes:
-        features: Composited feature channels, background included.
+        features: Composited feature channels, background included; in memory one plane per
+            channel, so ``permute(2, 0, 1)`` is contiguous.
         alpha: Accumulated alpha, 1 − final transmittance.
         radii_px: Larger half side, in pixels, of the box in which a Gaussian's alpha can reach
             1/255; 0 where the Gaussian is not visible. No gradient.

@@ -4,20 +4,22 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
-import matplotlib
 import numpy as np
 import torch
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from r3gw.evaluation.pictures import bytes_from_display, normal_picture
+from r3gw.evaluation.bench import scored_pixels
+from r3gw.evaluation.gallery import light_picture
+from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.files import InputError
 from r3gw.imaging.colour import display_array_from_linear
-from r3gw.imaging.files import read_linear, read_rgb
+from r3gw.imaging.files import read_rgb
 from r3gw.lighting import envmap
 from r3gw.reporting.evaluated import Evaluated
-from r3gw.reporting.style import Cell, picture_grid
-from r3gw.scene import GroundTruth, Scene, View
+from r3gw.reporting.style import Cell, Scale, picture_grid
+from r3gw.reporting.truth import depth_pictures, truth_pictures
+from r3gw.scene import Scene, View
 
 NUM_DECOMPOSED = 2
 NUM_LIGHTS = 24
@@ -25,49 +27,64 @@ LIGHTS_PER_ROW = 4
 LIGHT_MAP_HEIGHT = 64
 BRIGHTEST_QUANTILE = 0.98
 PROTOCOL_TITLES = {"exact": "true light", "nerf-osr": "nerf-osr", "learned": "learned light"}
+ERROR = Scale("magma", 0.0, 0.3, "absolute error (display units)")
 
 
-def view_grid(scene: Scene, runs: Sequence[Evaluated]) -> Figure:
+def view_grid(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) -> Figure:
     """Photos beside every variant's renders: test views if there are any, else training views.
 
-    The first run is shown under every protocol, the others under its first one.
+    The first run is shown under every protocol and, under its first one, with its error; the
+    others under that one alone. Errors are shown where pixels are scored.
     """
-    views = scene.split("test") or scene.split("train")
-    columns = [
-        (run, protocol)
-        for run in runs
-        for protocol in PROTOCOL_TITLES
-        if any((view.name, protocol) in run.records for view in views)
-    ]
-    first = columns[0][1] if columns else ""
-    columns = [(run, protocol) for run, protocol in columns if run is runs[0] or protocol == first]
-    rows, names = [], []
+    views = runs[0].shown_views(scene)
+    protocols = [p for p in PROTOCOL_TITLES if any((v.name, p) in runs[0].records for v in views)]
+    columns = [(runs[0], p) for p in protocols] + [(run, protocols[0]) for run in runs[1:]]
+    rows: list[list[Cell | None]] = []
     for view in views:
         cells = [_cell(run.picture(view.name, p), run.psnr(view.name, p)) for run, p in columns]
-        photo = runs[0].picture(view.name, "truth")
-        if photo is not None:
-            rows.append([Cell(photo), *cells])
-            names.append(view.name)
+        photo, render = (runs[0].picture(view.name, kind) for kind in ("truth", protocols[0]))
+        light = _light_of(scene_folder, view)
+        error = None
+        if photo is not None and render is not None:
+            is_scored = scored_pixels(scene_folder, view)
+            error = _cell(ERROR.coloured(absolute_error(render, photo), is_scored))
+        first = None if photo is None else Cell(photo, thumbnail=light)
+        rows.append([first, cells[0], error, *cells[1:]])
     titles = [f"{run.label}\n{PROTOCOL_TITLES[protocol]}" for run, protocol in columns]
-    return picture_grid(rows, ["photo", *titles], names)
+    titles = ["photo", titles[0], "its error", *titles[1:]]
+    return picture_grid(rows, titles, [view.name for view in views], scales=[ERROR])
+
+
+def absolute_error(render: NDArray[np.uint8], photo: NDArray[np.uint8]) -> NDArray[np.floating]:
+    """Mean absolute difference over the channels, display units: ``[H, W]``."""
+    return np.asarray(np.abs(render.astype(np.float64) - photo).mean(axis=-1) / 255.0)
+
+
+def _light_of(scene_folder: Path, view: View) -> NDArray[np.uint8] | None:
+    """The light of a photo as a thumbnail, if it is known."""
+    if view.truth is None:
+        return None
+    return light_picture(envmap.read_env_map(scene_folder / view.truth.env_map))
 
 
 def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
     """Render, albedo, normals, depth, sky and foreground alone; the truth beneath where known."""
     rows: list[list[Cell | None]] = []
     names = []
-    views = scene.split("test") or scene.split("train")
-    pictured = [view for view in views if run.picture(view.name, "albedo") is not None]
-    for view in pictured[:NUM_DECOMPOSED]:
-        ours, truth = _depth_cells(run, view, scene_folder)
-        protocol = next(p for p in PROTOCOL_TITLES if (view.name, p) in run.records)
+    for view in run.shown_views(scene)[:NUM_DECOMPOSED]:
+        depths = depth_pictures(run.depth(view.name), view.truth, scene_folder)
+        protocol = run.protocol_of(view.name)
         kinds = ("albedo", "normal", "", "sky", "foreground")
-        parts = [_cell(run.picture(view.name, kind)) if kind else ours for kind in kinds]
+        depth = Cell(depths.ours, depths.label)
+        parts = [_cell(run.picture(view.name, kind)) if kind else depth for kind in kinds]
         rows.append([_cell(run.picture(view.name, protocol), view.name), *parts])
         names.append("model")
         photo = _cell(run.picture(view.name, "truth"))
         if view.truth is not None:
-            rows.append([photo, *_truth_cells(view.truth, scene_folder), truth, None, None])
+            true = truth_pictures(view.truth, scene_folder)
+            rows.append(
+                [photo, Cell(true["albedo"]), Cell(true["normal"]), _cell(depths.truth), None, None]
+            )
         else:
             rows.append([photo, *[None] * 5])
         names.append("truth" if view.truth is not None else "photo")
@@ -105,34 +122,6 @@ def light_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
 
 def _cell(picture: NDArray[np.uint8] | None, label: str = "") -> Cell | None:
     return None if picture is None else Cell(picture, label)
-
-
-def _truth_cells(truth: GroundTruth, folder: Path) -> list[Cell]:
-    albedo, normal = read_linear(folder / truth.albedo), read_linear(folder / truth.normal)
-    is_surface = np.linalg.norm(normal, axis=-1, keepdims=True) > 0.5
-    shown = np.where(is_surface, display_array_from_linear(albedo), 1.0)
-    return [Cell(bytes_from_display(shown)), Cell(normal_picture(normal))]
-
-
-def _depth_cells(run: Evaluated, view: View, folder: Path) -> tuple[Cell, Cell | None]:
-    """Rendered and true depth on one colour scale, its ends in the label."""
-    ours = run.depth(view.name)
-    truth = None if view.truth is None else read_linear(folder / view.truth.depth)[..., 0]
-    known = ours if truth is None else truth
-    if (known > 0).any():
-        near, far = (float(q) for q in np.quantile(known[known > 0], (0.02, 0.98)))
-    else:
-        near, far = 0.0, 1.0
-    label = f"{near:.1f} to {far:.1f}"
-    cells = [_depth_cell(d, near, far, label) for d in (ours, truth) if d is not None]
-    return cells[0], cells[1] if len(cells) > 1 else None
-
-
-def _depth_cell(depth: NDArray[np.float32], near: float, far: float, label: str) -> Cell:
-    share = np.clip((depth - near) / max(far - near, 1e-9), 0.0, 1.0)
-    coloured = matplotlib.colormaps["viridis"](share)[..., :3]
-    coloured[depth <= 0] = 1.0
-    return Cell(bytes_from_display(coloured), label)
 
 
 def _thumbnail(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

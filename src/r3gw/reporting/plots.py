@@ -11,6 +11,7 @@ from r3gw.reporting.evaluated import Evaluated
 from r3gw.reporting.style import COLOURS, new_figure
 
 SMOOTHED_ROWS = 15
+CIRCLE_COLOUR = "#9aa5ad"
 DASHES = (0, (3, 1.5))
 
 
@@ -38,7 +39,7 @@ def training_plot(runs: Sequence[Evaluated]) -> Figure:
 
 
 def sweep_plot(run: Evaluated) -> Figure:
-    """PSNR over the sun angle of protocol nerf-osr, one panel per test view.
+    """PSNR over the sun angle of the sweeping protocols, one panel per test view.
 
     The dot is the oracle's choice; the dashed line is the PSNR under the true light, if known.
     """
@@ -51,6 +52,10 @@ def sweep_plot(run: Evaluated) -> Figure:
         axes = figure.add_subplot(lines, columns, number + 1)
         angles_deg = np.degrees(record["sweep_angles_rad"])
         best_deg = np.degrees(record["angle_rad"])
+        if (view, "full-yaw") in run.records:
+            circle = run.records[view, "full-yaw"]
+            at = np.degrees(circle["sweep_angles_rad"])
+            axes.plot(at, circle["sweep_psnr"], color=CIRCLE_COLOUR, label="full-yaw sweep")
         axes.plot(angles_deg, record["sweep_psnr"], color=COLOURS[0], label="nerf-osr sweep")
         axes.plot(best_deg, record["psnr"], "o", color=COLOURS[1], ms=4, label="oracle's choice")
         if (view, "exact") in run.records:

@@ -5,7 +5,7 @@ those of the others with the protocol's name (``psnr_exact``, ``psnr_learned``).
 """
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
@@ -14,8 +14,14 @@ from typing import Any
 from r3gw.files import InputError
 
 METRICS = ("psnr", "ssim", "mse", "mae")
-SUFFIXES = {"nerf-osr": "", "exact": "_exact", "learned": "_learned"}
-SWEEP_GAIN = "sweep_gain_psnr"
+SUFFIXES = {
+    "nerf-osr": "",
+    "full-yaw": "_full_yaw",
+    "exact": "_exact",
+    "learned": "_learned",
+}
+# What an oracle's sweep brings over the true light: protocol -> figure.
+GAINS = {"nerf-osr": "sweep_gain_psnr", "full-yaw": "full_yaw_gain_psnr"}
 # Figures of single protocols: (protocol, field of its records, figure).
 EXTRAS = (
     ("exact", "oracle_psnr", "oracle_psnr_exact"),
@@ -36,6 +42,14 @@ DECOMPOSITION = (
     "sky_in_front",
 )
 
+IMAGE_FIGURES = tuple(f"{metric}{suffix}" for suffix in SUFFIXES.values() for metric in METRICS)
+ALL_FIGURES = (
+    *IMAGE_FIGURES,
+    *GAINS.values(),
+    *(figure for _, _, figure in EXTRAS),
+    *DECOMPOSITION,
+)
+
 
 @dataclass(frozen=True)
 class Run:
@@ -44,14 +58,18 @@ class Run:
     Attributes:
         scene, variant, seed: Which one.
         figures: Means over views; a figure that the scene does not allow is absent.
+        images: The record of every image and protocol.
         provenance: The training's run.json.
+        cost: What the evaluation measured with a clock (cost.json).
     """
 
     scene: str
     variant: str
     seed: int
     figures: Mapping[str, float]
+    images: Sequence[Mapping[str, Any]]
     provenance: Mapping[str, Any]
+    cost: Mapping[str, float]
 
     @property
     def num_gaussians(self) -> int:
@@ -81,8 +99,10 @@ def load_runs(metrics_files: Iterable[Path]) -> list[Run]:
 
 
 def _load_run(path: Path) -> Run:
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; evaluate the run first")
+    measured = path.with_name("cost.json")
+    for file in (path, measured):
+        if not file.is_file():
+            raise InputError(f"{file}: no such file; evaluate the run first")
     try:
         content = json.loads(path.read_text())
         provenance = content["run"]
@@ -91,7 +111,13 @@ def _load_run(path: Path) -> Run:
             **_means(content["decomposition"], DECOMPOSITION),
         }
         return Run(
-            provenance["scene"], provenance["variant"], provenance["seed"], figures, provenance
+            scene=provenance["scene"],
+            variant=provenance["variant"],
+            seed=provenance["seed"],
+            figures=figures,
+            images=content["images"],
+            provenance=provenance,
+            cost=json.loads(measured.read_text()),
         )
     except (json.JSONDecodeError, KeyError, TypeError) as error:
         raise InputError(
@@ -112,11 +138,11 @@ def _image_figures(records: list[dict[str, Any]]) -> dict[str, float]:
     for protocol, field, figure in EXTRAS:
         for value in _means(by_protocol[protocol], (field,)).values():
             figures[figure] = value
-    swept = {record["view"]: record["psnr"] for record in by_protocol["nerf-osr"]}
     exact = {record["view"]: record["psnr"] for record in by_protocol["exact"]}
-    gains = [swept[view] - exact[view] for view in swept if view in exact]
-    if gains:
-        figures[SWEEP_GAIN] = fmean(gains)
+    for protocol, figure in GAINS.items():
+        swept = {record["view"]: record["psnr"] for record in by_protocol[protocol]}
+        if gains := [swept[view] - exact[view] for view in swept if view in exact]:
+            figures[figure] = fmean(gains)
     return figures
 
 

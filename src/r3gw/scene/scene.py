@@ -118,6 +118,15 @@ class Scene(Strict):
     views: tuple[View, ...]
     scene_from_source: Gauge
 
+    @property
+    def source_from_scene(self) -> Similarity:
+        """Back to the frame and scale in which the photos were given, for exports.
+
+        Its `points` and `camera` map positions and cameras; lengths grow by its ``scale``, and
+        directions and orientations turn by its ``rotation``.
+        """
+        return self.scene_from_source.similarity.inverse()
+
     def split(self, which: Literal["train", "test"]) -> tuple[View, ...]:
         """The views of one split, in order of their names."""
         return tuple(view for view in self.views if view.split == which)

@@ -7,13 +7,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from r3gw.files import InputError
+from r3gw.settings.masks import MaskSources, SkyMasks
 from r3gw.settings.train import TrainSettings
 from r3gw.settings.validation import Strict, read_yaml, validated
 
 SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
 
-class SyntheticScene(Strict):
+class SyntheticScene(MaskSources):
     """A scene of the embedded benchmark, made by the project itself."""
 
     format: Literal["synthetic"]
@@ -26,32 +27,65 @@ class SyntheticScene(Strict):
     samples: int = Field(20, ge=1)
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
-    sky_masks: Literal["given", "classical", "given-or-classical"] = "given"
+    sky_masks: SkyMasks = "given"
 
 
-class NerfOsrScene(Strict):
+class NerfOsrScene(MaskSources):
     """A NeRF-OSR scene as LumiGauss prepared it (docs/data.md)."""
 
     format: Literal["nerf-osr"]
     path: str
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
-    sky_masks: Literal["given", "classical", "given-or-classical"] = "given-or-classical"
+    evaluated_views: list[str] = Field(default_factory=list)
 
 
-class PhotosScene(Strict):
-    """A folder of anybody's photos."""
+class _PosedScene(MaskSources):
+    """Photos with known cameras, in a world of any scale and, maybe, any tilt."""
+
+    path: str
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(10.0, gt=0)
+    up: Literal["estimated", "given"] = "estimated"
+
+
+class NerfOsrOriginalScene(_PosedScene):
+    """A NeRF-OSR scene as its authors published it."""
+
+    format: Literal["nerf-osr-original"]
+
+
+class ColmapScene(_PosedScene):
+    """A COLMAP folder: photos and a sparse model."""
+
+    format: Literal["colmap"]
+
+
+class NerfstudioScene(_PosedScene):
+    """A nerfstudio folder: photos and transforms.json."""
+
+    format: Literal["nerfstudio"]
+
+
+class PhotosScene(MaskSources):
+    """A folder of anybody's photos, or a video."""
 
     format: Literal["photos"]
     path: str
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(10.0, gt=0)
-    matching: Literal["exhaustive", "sequential"] = "exhaustive"
-    sky_masks: Literal["classical"] = "classical"
+    matching: Literal["exhaustive", "sequential"] | None = None
+    video_frames: int = Field(100, ge=3)
 
 
 SceneSettings = Annotated[
-    SyntheticScene | NerfOsrScene | PhotosScene, Field(discriminator="format")
+    SyntheticScene
+    | NerfOsrScene
+    | NerfOsrOriginalScene
+    | ColmapScene
+    | NerfstudioScene
+    | PhotosScene,
+    Field(discriminator="format"),
 ]
 
 

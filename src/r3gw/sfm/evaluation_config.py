@@ -38,6 +38,34 @@ def read_evaluation(folder: Path) -> dict[str, EvaluationEntry]:
     return entries
 
 
+def missing_evaluation_files(folder: Path) -> list[str]:
+    """Names of the files that ``folder/test_config.py`` names but ``folder`` does not hold.
+
+    Raises:
+        InputError: If test_config.py is there but holds more than data.
+    """
+    path = folder / "test_config.py"
+    if not path.exists():
+        return []
+    written = [
+        str(values[key])
+        for _, values in _views(read_literals(path))
+        for key in ("mask_path", "env_map_path")
+        if values.get(key) is not None
+    ]
+    return [name for name in written if not _same_name(folder, PurePosixPath(_posix(name)))]
+
+
+def evaluated_views(folder: Path) -> set[str]:
+    """Keys of the views that ``folder/test_config.py`` has an entry for.
+
+    Raises:
+        InputError: If test_config.py is there but holds more than data.
+    """
+    path = folder / "test_config.py"
+    return {key_of(name) for name, _ in _views(read_literals(path))} if path.exists() else set()
+
+
 def _views(values: Mapping[Any, Any]) -> Iterator[tuple[str, Mapping[Any, Any]]]:
     """Every nested dict that has an ``env_map_path``, with its key."""
     for name, value in values.items():
@@ -86,14 +114,9 @@ def _parts(
 
 def _resolve(folder: Path, written: object, view: str) -> Path:
     """The file below ``folder`` that shares its name and most parent folders with ``written``."""
-    wanted = PurePosixPath(str(written).replace("\\", "/"))
+    wanted = PurePosixPath(_posix(str(written)))
     parents = [part.lower() for part in wanted.parts[:-1]]
-    suffixes = LDR_SUFFIXES + HDR_SUFFIXES
-    found = [
-        path
-        for path in sorted(folder.rglob("*"))
-        if path.suffix.lower() in suffixes and key_of(path.name) == key_of(wanted.name)
-    ]
+    found = _same_name(folder, wanted)
     if not found:
         raise InputError(
             f"{folder}: view '{view}' of test_config.py names {wanted.name}, which is not there; "
@@ -107,6 +130,20 @@ def _resolve(folder: Path, written: object, view: str) -> Path:
             f"{best[1]}; keep one"
         )
     return best[0]
+
+
+def _posix(written: str) -> str:
+    return written.replace("\\", "/")
+
+
+def _same_name(folder: Path, wanted: PurePosixPath) -> list[Path]:
+    """Pictures below ``folder`` with the stem of ``wanted``."""
+    return [
+        path
+        for path in sorted(folder.rglob("*"))
+        if path.suffix.lower() in LDR_SUFFIXES + HDR_SUFFIXES
+        and key_of(path.name) == key_of(wanted.name)
+    ]
 
 
 def _shared_parents(path: Path, parents: list[str]) -> int:

@@ -4,13 +4,25 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from r3gw.files import InputError
 from r3gw.scene import Scene
-from r3gw.settings import PhotosScene, SceneSettings
+from r3gw.settings import (
+    ColmapScene,
+    NerfOsrOriginalScene,
+    NerfOsrScene,
+    NerfstudioScene,
+    PhotosScene,
+    SceneSettings,
+    SyntheticScene,
+)
+from r3gw.sfm.colmap_folder import read_colmap_folder
+from r3gw.sfm.completeness import require_complete
 from r3gw.sfm.gauge import scene_from_source, upright_rotation
 from r3gw.sfm.layout_a import read_layout_a
-from r3gw.sfm.photos import undistorted_photos
+from r3gw.sfm.nerf_osr_original import read_nerf_osr_original
+from r3gw.sfm.nerfstudio import UPRIGHT_FROM_Z_UP, read_nerfstudio
+from r3gw.sfm.photos import registered_photos
 from r3gw.sfm.source import SourceScene
 from r3gw.sfm.write import clear_scene, write_scene
 
@@ -38,18 +50,13 @@ def import_scene(
     Raises:
         InputError: If anything in ``source`` is missing or wrong; names it and the remedy.
     """
-    if not source.is_dir():
-        raise InputError(f"{source}: no such folder; correct 'path' of scene '{name}'")
+    require_complete(name, settings, source)
     target.mkdir(parents=True, exist_ok=True)
     clear_scene(target)
     with _read(settings, source, target, num_threads, seed) as found:
-        rotation = None
-        if isinstance(settings, PhotosScene):
-            rotations = [view.camera.cam_from_world[:3, :3].numpy() for view in found.views]
-            rotation = upright_rotation(np.stack(rotations))
         return write_scene(
             found,
-            scene_from_source(found.points, rotation, settings.extent),
+            scene_from_source(found.points, _rotation(settings, found), settings.extent),
             target,
             name=name,
             source_format=settings.format,
@@ -57,12 +64,26 @@ def import_scene(
         )
 
 
+def _rotation(settings: SceneSettings, found: SourceScene) -> NDArray[np.float64] | None:
+    """How the source's frame is turned, so that up becomes -y; None leaves it as it is."""
+    if isinstance(settings, SyntheticScene | NerfOsrScene):
+        return None
+    if not isinstance(settings, PhotosScene) and settings.up == "given":
+        return UPRIGHT_FROM_Z_UP if isinstance(settings, NerfstudioScene) else None
+    rotations = [view.camera.cam_from_world[:3, :3].numpy() for view in found.views]
+    return upright_rotation(np.stack(rotations))
+
+
 def _read(
     settings: SceneSettings, source: Path, target: Path, num_threads: int, seed: int
 ) -> AbstractContextManager[SourceScene]:
     """The source's views, whose files stay readable while the context is open."""
     if isinstance(settings, PhotosScene):
-        return undistorted_photos(
-            source, target, matching=settings.matching, num_threads=num_threads, seed=seed
-        )
+        return registered_photos(source, target, settings, num_threads=num_threads, seed=seed)
+    if isinstance(settings, ColmapScene):
+        return nullcontext(read_colmap_folder(source))
+    if isinstance(settings, NerfstudioScene):
+        return nullcontext(read_nerfstudio(source, num_threads=num_threads, seed=seed))
+    if isinstance(settings, NerfOsrOriginalScene):
+        return nullcontext(read_nerf_osr_original(source, num_threads=num_threads, seed=seed))
     return nullcontext(read_layout_a(source))

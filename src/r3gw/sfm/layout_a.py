@@ -1,7 +1,6 @@
 """Reader of NeRF-OSR scenes as LumiGauss prepared them, and of our synthetic ones (data.md A)."""
 
 import logging
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
@@ -10,16 +9,21 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
-from r3gw.scene import EvaluationEntry, GroundTruth
+from r3gw.scene import GroundTruth
 from r3gw.scene.scene import Row3
 from r3gw.sfm.colmap_model import read_model
 from r3gw.sfm.evaluation_config import read_evaluation
+from r3gw.sfm.folders import (
+    evaluation_with_mask,
+    masks_beside,
+    require_training_views,
+    session_of,
+)
 from r3gw.sfm.named_files import key_of, listed, pictures_by_key
-from r3gw.sfm.source import MaskKind, SourceMask, SourceScene, SourceView
-from r3gw.sfm.split import Split, find_split_file, read_split
+from r3gw.sfm.source import SourceMask, SourceScene, SourceView
+from r3gw.sfm.split import SplitLine, find_split_file, read_split
 
 _LOG = logging.getLogger(__name__)
-_SESSION = re.compile(r"^(\d\d-\d\d_\d\d_\d\d)_")
 _EXTENSIONS = ("albedo", "normal", "depth")
 
 
@@ -47,11 +51,14 @@ def read_layout_a(source: Path) -> SourceScene:
     split_file = find_split_file(undistorted)
     splits = read_split(split_file)
     model = read_model(undistorted / "sparse" / "0")
+    model.require_pinhole(undistorted / "sparse" / "0")
     cameras = {key_of(name): camera for name, camera in model.cameras.items()}
     if len(cameras) < len(model.cameras):
         raise InputError(f"{undistorted / 'sparse' / '0'}: two images share a stem; rename one")
     chosen = _chosen(photos, splits, cameras, split_file)
-    masks = _masks(undistorted, source / "eval_files")
+    masks = masks_beside(undistorted)
+    eval_masks = pictures_by_key(source / "eval_files" / "eval_mask")
+    masks["eval"] = {key: SourceMask(path) for key, path in eval_masks.items()}
     evaluation = read_evaluation(source / "eval_files")
     truth = _ground_truth(source / "ground_truth")
     if unknown := set(evaluation) - set(chosen):
@@ -59,16 +66,15 @@ def read_layout_a(source: Path) -> SourceScene:
     views = []
     for key in chosen:
         name = photos[key].stem
-        session = _SESSION.match(name)
         views.append(
             SourceView(
                 name=name,
                 photo=photos[key],
                 camera=cameras[key],
-                split=splits[key],
-                session=session.group(1) if session else None,
+                split=splits[key].split,
+                session=session_of(name),
                 masks={kind: files[key] for kind, files in masks.items() if key in files},
-                evaluation=_with_mask(evaluation.get(key), masks["eval"].get(key)),
+                evaluation=evaluation_with_mask(evaluation.get(key), masks["eval"].get(key)),
                 truth=truth.get(key),
             )
         )
@@ -77,46 +83,23 @@ def read_layout_a(source: Path) -> SourceScene:
 
 def _chosen(
     photos: Mapping[str, Path],
-    splits: Mapping[str, Split],
+    splits: Mapping[str, SplitLine],
     cameras: Mapping[str, Camera],
     split_file: Path,
 ) -> list[str]:
     """Keys of the views that have a photo, a camera and a split."""
-    if missing := set(splits) - set(photos):
+    if missing := [line.filename for key, line in splits.items() if key not in photos]:
         raise InputError(
             f"{split_file}: names photos that are not in images/ ({listed(missing)}); "
             "put them there or take them out of the list"
         )
-    if unposed := set(splits) - set(cameras):
+    if unposed := [line.filename for key, line in splits.items() if key not in cameras]:
         _LOG.warning("left out, not in the COLMAP model: %s", listed(unposed))
-    if unlisted := set(cameras) - set(splits):
+    if unlisted := [photos[key].name for key in cameras if key in photos and key not in splits]:
         _LOG.warning("left out, not in %s: %s", split_file.name, listed(unlisted))
     chosen = sorted(set(splits) & set(cameras))
-    if not any(splits[key] == "train" for key in chosen):
-        raise InputError(
-            f"{split_file}: no training photo is left ({len(splits)} photos listed, "
-            f"{len(cameras)} in the COLMAP model); check that both name the same files"
-        )
+    require_training_views((splits[key].split for key in chosen), split_file)
     return chosen
-
-
-def _masks(undistorted: Path, eval_files: Path) -> dict[MaskKind, dict[str, SourceMask]]:
-    folders: dict[MaskKind, tuple[Path, bool]] = {
-        "is_valid": (undistorted / "masks", True),
-        "is_sky": (undistorted / "sky_masks", False),  # white = NOT sky
-        "eval": (eval_files / "eval_mask", True),
-    }
-    return {
-        kind: {key: SourceMask(path, white) for key, path in pictures_by_key(folder).items()}
-        for kind, (folder, white) in folders.items()
-    }
-
-
-def _with_mask(entry: EvaluationEntry | None, mask: SourceMask | None) -> EvaluationEntry | None:
-    """An entry without a mask path of its own takes the one of eval_mask/."""
-    if entry is None or entry.mask is not None or mask is None:
-        return entry
-    return entry.model_copy(update={"mask": str(mask.path)})
 
 
 def _ground_truth(folder: Path) -> dict[str, GroundTruth]:

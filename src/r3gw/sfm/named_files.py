@@ -13,16 +13,21 @@ def key_of(name: str) -> str:
     return (stem.rpartition(".")[0] or stem).lower()
 
 
-def pictures_by_key(folder: Path, suffixes: Iterable[str] = LDR_SUFFIXES) -> dict[str, Path]:
+def pictures_by_key(folder: Path, without: Iterable[str] = ()) -> dict[str, Path]:
     """Pictures below ``folder`` by their key; an absent folder has none.
+
+    Args:
+        folder: Searched with its subfolders; hidden files do not count.
+        without: Names of subfolders to leave out.
 
     Raises:
         InputError: If two pictures share a stem.
     """
-    wanted = {suffix.lower() for suffix in suffixes}
     found: dict[str, Path] = {}
     for path in sorted(folder.rglob("*")):
-        if path.suffix.lower() not in wanted or path.name.startswith("."):
+        if path.suffix.lower() not in LDR_SUFFIXES or path.name.startswith("."):
+            continue
+        if any(path.is_relative_to(folder / name) for name in without):
             continue
         if (other := found.setdefault(key_of(path.name), path)) != path:
             raise InputError(

@@ -1,68 +1,78 @@
-"""Reader of anybody's own photos: SIFT, matching, incremental mapping, undistortion by pycolmap.
+"""Reader of anybody's own photos: SIFT, matching and incremental mapping by pycolmap.
 
 Every step is seeded, and mapping runs on one thread, because Ceres adds up in the order in which
 threads finish: the same photos and seed give the same scene. Photos need no EXIF; where it tells
 a focal length, mapping starts from it, and its orientation is baked in first.
 """
 
-import logging
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import pycolmap
+from numpy.typing import NDArray
 from tqdm import tqdm
 
 from r3gw.files import InputError, write_json
 from r3gw.imaging.files import read_rgb, write_image
-from r3gw.sfm.colmap_model import read_model
-from r3gw.sfm.gauge import roll_deg, up_direction
-from r3gw.sfm.named_files import key_of, listed, pictures_by_key
-from r3gw.sfm.source import SourceScene, SourceView
+from r3gw.settings import PhotosScene
+from r3gw.sfm.colmap_model import from_reconstruction
+from r3gw.sfm.folders import MASK_FOLDERS, mask_files
+from r3gw.sfm.named_files import pictures_by_key
+from r3gw.sfm.orientation import upright_mask
+from r3gw.sfm.pycolmap_log import quiet
+from r3gw.sfm.registration import ADVICE, Mapped, registration_report
+from r3gw.sfm.source import MaskKind, SourceMask, SourceScene, SourceView
+from r3gw.sfm.video import extract_frames
 
-_LOG = logging.getLogger(__name__)
 _LEAST = 3  # photos that a scene needs
-_ADVICE = (
-    "take more photos of the same place with more overlap (each part of it in three or more), "
-    "or remove photos of other places"
-)
 
 
 @contextmanager
-def undistorted_photos(
-    source: Path,
-    target: Path,
-    *,
-    matching: Literal["exhaustive", "sequential"],
-    num_threads: int,
-    seed: int,
+def registered_photos(
+    source: Path, target: Path, settings: PhotosScene, *, num_threads: int, seed: int
 ) -> Iterator[SourceScene]:
-    """Register the photos below ``source`` and yield them undistorted, in COLMAP's own frame.
+    """Register photos, or frames of a video, and yield them in COLMAP's own frame.
 
-    The files live in a temporary folder in ``target`` while the context is open; only
-    ``target/sfm_report.json`` stays.
+    Photos and masks lie upright in a temporary folder in ``target`` while the context is open;
+    only ``target/sfm_report.json`` stays.
+
+    Args:
+        source: Folder of photos, with masks in ``masks/`` (white = keep) and ``sky_masks/``
+            (white = not sky) if there are any; or a video file.
+        target: Folder for the report and the temporary files.
+        settings: How to match, and how many frames of a video to take.
+        num_threads: For features and matching.
+        seed: For all random sampling.
 
     Raises:
         InputError: If a photo is unreadable, two share a stem, or fewer than three register.
     """
-    photos = pictures_by_key(source)
-    if len(photos) < _LEAST:
-        raise InputError(f"{source}: {len(photos)} photos here, but at least {_LEAST} are needed")
     with tempfile.TemporaryDirectory(prefix=".sfm-", dir=target) as folder:
+        is_video = source.is_file()
+        photos_folder = source
+        if is_video:
+            photos_folder = Path(folder) / "frames"
+            extract_frames(source, photos_folder, settings.video_frames)
+        beside = tuple(name for name, _ in MASK_FOLDERS.values())
+        photos = pictures_by_key(photos_folder, without=beside)
+        if len(photos) < _LEAST:
+            count = "one photo is" if len(photos) == 1 else f"{len(photos)} photos are"
+            raise InputError(f"{source}: {count} here, but at least {_LEAST} are needed; {ADVICE}")
         work = _Work(Path(folder), source, num_threads, seed)
-        with _quiet():
+        with quiet():
             focal_lengths = work.bake_orientation(photos)
-            work.extract_features(focal_lengths)
-            work.match(matching)
-            model, count = work.map()
-            work.undistort(model)
-            found = work.read()
-        report = _report(photos, model, count, found)
-        write_json(target / "sfm_report.json", report)
+            if not is_video:
+                work.bake_masks(photos_folder, photos)
+            mode = pycolmap.CameraMode.SINGLE if is_video else pycolmap.CameraMode.PER_IMAGE
+            work.extract_features(focal_lengths, mode)
+            work.match(settings.matching or ("sequential" if is_video else "exhaustive"))
+            mapped = work.map()
+            found = work.read(mapped.chosen)
+            write_json(target / "sfm_report.json", registration_report(photos, mapped, found))
         yield found
 
 
@@ -74,6 +84,7 @@ class _Work:
     source: Path
     num_threads: int
     seed: int
+    masks: dict[str, dict[MaskKind, SourceMask]] = field(default_factory=dict)
 
     @property
     def photos(self) -> Path:
@@ -95,14 +106,31 @@ class _Work:
                 focal_lengths[f"{path.stem}.png"] = float(camera.mean_focal_length())
         return focal_lengths
 
-    def extract_features(self, focal_lengths: Mapping[str, float]) -> None:
-        """SIFT features of every photo; each has a camera of its own."""
+    def bake_masks(self, folder: Path, photos: Mapping[str, Path]) -> None:
+        """Write every mask upright, white = True, and what features may be taken from."""
+        given = {kind: mask_files(folder / name) for kind, (name, _) in MASK_FOLDERS.items()}
+        if not any(given.values()):
+            return
+        for key, photo in photos.items():
+            # pycolmap leaves out photos without a mask, so every photo gets one.
+            keep: NDArray[np.bool_] = np.ones(read_rgb(photo).shape[:2], dtype=np.bool_)
+            for kind in (kind for kind, files in given.items() if key in files):
+                mask = upright_mask(given[kind][key], photo)
+                mask = mask if MASK_FOLDERS[kind][1] else ~mask
+                path = self.folder / "masks" / kind / f"{photo.stem}.png"
+                write_image(path, mask)
+                self.masks.setdefault(photo.stem, {})[kind] = SourceMask(path)
+                keep &= ~mask if kind == "is_sky" else mask
+            write_image(self.folder / "keep" / f"{photo.stem}.png.png", keep)
+
+    def extract_features(
+        self, focal_lengths: Mapping[str, float], mode: pycolmap.CameraMode
+    ) -> None:
+        """SIFT features of every photo, where its masks allow; ``mode``: who shares a camera."""
         pycolmap.Database.open(self.database).close()
         pycolmap.set_random_seed(self.seed)
         # Entered first and in order, so that identifiers do not depend on which thread is done.
-        pycolmap.import_images(
-            self.database, self.photos, camera_mode=pycolmap.CameraMode.PER_IMAGE
-        )
+        pycolmap.import_images(self.database, self.photos, camera_mode=mode)
         with pycolmap.Database.open(self.database) as database:
             for image in database.read_all_images():
                 if image.name in focal_lengths:
@@ -111,9 +139,18 @@ class _Work:
                     camera.has_prior_focal_length = True
                     database.update_camera(camera)
         options = pycolmap.FeatureExtractionOptions(num_threads=self.num_threads, use_gpu=False)
-        pycolmap.extract_features(self.database, self.photos, extraction_options=options)
+        reader = pycolmap.ImageReaderOptions()
+        if (self.folder / "keep").is_dir():
+            reader.mask_path = self.folder / "keep"
+        pycolmap.extract_features(
+            self.database,
+            self.photos,
+            camera_mode=mode,
+            reader_options=reader,
+            extraction_options=options,
+        )
 
-    def match(self, matching: Literal["exhaustive", "sequential"]) -> None:
+    def match(self, matching: str) -> None:
         """Match all pairs of photos, or neighbours in the order of their names."""
         verification = pycolmap.TwoViewGeometryOptions()
         verification.ransac.random_seed = self.seed
@@ -127,8 +164,8 @@ class _Work:
                 self.database, matching_options=options, verification_options=verification
             )
 
-    def map(self) -> tuple[pycolmap.Reconstruction, int]:
-        """The model with most photos, and how many models there were."""
+    def map(self) -> Mapped:
+        """The model with most photos, and the others."""
         options = pycolmap.IncrementalPipelineOptions(num_threads=1, random_seed=self.seed)
         options.min_model_size = _LEAST
         output = self.folder / "models"
@@ -143,70 +180,23 @@ class _Work:
             registered = 0 if largest is None else largest.num_reg_images()
             raise InputError(
                 f"{self.source}: only {registered} photos could be registered together, at least "
-                f"{_LEAST} are needed; {_ADVICE}"
+                f"{_LEAST} are needed; {ADVICE}"
             )
-        return largest, len(models)
+        others = [model for model in models.values() if model is not largest]
+        return Mapped(largest, others, self.database)
 
-    def undistort(self, model: pycolmap.Reconstruction) -> None:
-        """Write pinhole photos and their model."""
-        chosen = self.folder / "chosen"
-        chosen.mkdir()
-        model.write_binary(chosen)
-        pycolmap.undistort_images(
-            self.folder / "undistorted", chosen, self.photos, num_threads=self.num_threads
-        )
-
-    def read(self) -> SourceScene:
-        """The undistorted photos with their cameras, all for training."""
-        model = read_model(self.folder / "undistorted" / "sparse")
-        photos = self.folder / "undistorted" / "images"
+    def read(self, model: pycolmap.Reconstruction) -> SourceScene:
+        """The upright photos with their cameras and lenses, all for training."""
+        found = from_reconstruction(model, self.source)
         views = tuple(
-            SourceView(Path(name).stem, photos / name, model.cameras[name], "train")
-            for name in sorted(model.cameras)
+            SourceView(
+                name=Path(name).stem,
+                photo=self.photos / name,
+                camera=found.cameras[name],
+                split="train",
+                masks=self.masks.get(Path(name).stem, {}),
+                lens=found.lenses.get(name),
+            )
+            for name in sorted(found.cameras)
         )
-        return SourceScene(views, model.points)
-
-
-def _report(
-    photos: Mapping[str, Path],
-    model: pycolmap.Reconstruction,
-    num_models: int,
-    found: SourceScene,
-) -> dict[str, object]:
-    """What registered and what did not, logged and for sfm_report.json."""
-    registered = {key_of(view.name) for view in found.views}
-    lost = sorted(path.name for key, path in photos.items() if key not in registered)
-    rotations = np.stack([view.camera.cam_from_world[:3, :3].numpy() for view in found.views])
-    rolls = roll_deg(rotations, up_direction(rotations))
-    error = model.compute_mean_reprojection_error()
-    _LOG.info(
-        "registered %d of %d photos, %d points, mean reprojection error %.2f px",
-        len(registered),
-        len(photos),
-        len(found.points.xyz),
-        error,
-    )
-    if lost:
-        _LOG.warning("not registered, left out: %s; %s", listed(lost), _ADVICE)
-    return {
-        "photos": len(photos),
-        "registered": [view.name for view in found.views],
-        "not_registered": lost,
-        "models": num_models,
-        "points": len(found.points.xyz),
-        "mean_reprojection_error_px": round(float(error), 4),
-        "roll_deg": {
-            view.name: round(float(roll), 2) for view, roll in zip(found.views, rolls, strict=True)
-        },
-    }
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep pycolmap's progress messages off the terminal; errors stay."""
-    level = pycolmap.logging.minloglevel
-    pycolmap.logging.minloglevel = pycolmap.logging.ERROR.value
-    try:
-        yield
-    finally:
-        pycolmap.logging.minloglevel = level
+        return SourceScene(views, found.points)

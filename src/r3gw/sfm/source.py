@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+import pycolmap
+
 from r3gw.geometry.cameras import Camera
 from r3gw.scene import EvaluationEntry, GroundTruth, Points
 
@@ -29,9 +31,12 @@ class SourceView:
 
     Attributes:
         name: Stem of the photo.
-        photo: The picture whose pixels, as stored, ``camera`` describes.
-        camera: In the source's frame, at the photo's full size.
+        photo: The picture, its pixels in the order in which they are stored.
+        camera: Pinhole, in the source's frame, at full size.
+        lens: The photo's distorted camera; the writer undistorts photo and masks from it to
+            ``camera``. None if ``camera`` describes the photo itself.
         masks: Masks that came with the data, of the photo's size.
+        labels: Picture of class colours or ids that came with the data, of the photo's size.
         evaluation, truth: As in the scene, but with paths of the source.
     """
 
@@ -41,8 +46,10 @@ class SourceView:
     split: Literal["train", "test"]
     session: str | None = None
     masks: Mapping[MaskKind, SourceMask] = field(default_factory=dict)
+    labels: Path | None = None
     evaluation: EvaluationEntry | None = None
     truth: GroundTruth | None = None
+    lens: pycolmap.Camera | None = None
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """The split list of layout A: ``filename;split`` lines that say train or test for each photo."""
 
 import csv
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -9,6 +10,14 @@ from r3gw.sfm.named_files import key_of, listed
 
 Split = Literal["train", "test"]
 _COLUMNS = ("filename", "split")
+
+
+@dataclass(frozen=True)
+class SplitLine:
+    """One line of a split list: the file name as written, and its split."""
+
+    filename: str
+    split: Split
 
 
 def find_split_file(folder: Path) -> Path:
@@ -29,8 +38,8 @@ def find_split_file(folder: Path) -> Path:
     return found[0]
 
 
-def read_split(path: Path) -> dict[str, Split]:
-    """The split of every photo, by the key of its name (r3gw.sfm.named_files.key_of).
+def read_split(path: Path) -> dict[str, SplitLine]:
+    """The line of every photo, by the key of its name (r3gw.sfm.named_files.key_of).
 
     Raises:
         InputError: If the separator, the header, a value or a duplicate name is wrong.
@@ -47,7 +56,7 @@ def read_split(path: Path) -> dict[str, Split]:
     if not rows:
         raise InputError(f"{path}: is empty; it must name every photo and its split")
     name_column, split_column = _columns(path, rows[0][1])
-    result: dict[str, Split] = {}
+    result: dict[str, SplitLine] = {}
     for number, row in rows[1:]:
         if len(row) <= max(name_column, split_column):
             raise InputError(f"{path}: line {number} has {len(row)} columns, expected 'file;split'")
@@ -60,7 +69,7 @@ def read_split(path: Path) -> dict[str, Split]:
         value: Split = "train" if split == "train" else "test"
         if key_of(name) in result:
             raise InputError(f"{path}: line {number} names {name} a second time; keep one line")
-        result[key_of(name)] = value
+        result[key_of(name)] = SplitLine(name, value)
     return result
 
 

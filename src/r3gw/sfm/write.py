@@ -14,6 +14,7 @@ from r3gw.files import InputError, atomic_path
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import (
+    read_labels,
     read_linear,
     read_rgb_as_stored,
     write_exr,
@@ -30,6 +31,7 @@ from r3gw.scene import (
     save_points,
     save_scene,
 )
+from r3gw.sfm.lens import undistorted, undistorted_mask
 from r3gw.sfm.source import SourceMask, SourceScene, SourceView
 
 _LOG = logging.getLogger(__name__)
@@ -63,7 +65,7 @@ def write_scene(
         target: The scene folder.
         name: The scene's name.
         source_format: Format of its entry in the configuration.
-        max_image_px: Photos longer than this on a side are scaled down to it, by area.
+        max_image_px: Photos wider than this are scaled down to this width, by area.
 
     Raises:
         InputError: If a photo or mask is unreadable or not of its camera's size.
@@ -94,21 +96,17 @@ def _moved(xyz: NDArray[np.float32], similarity: Similarity) -> NDArray[np.float
 def _write_view(
     source: SourceView, similarity: Similarity, target: Path, max_image_px: int
 ) -> View:
-    photo = read_rgb_as_stored(source.photo)
     full = source.camera
-    if photo.shape[:2] != (full.height, full.width):
-        raise InputError(
-            f"{source.photo}: the photo is {photo.shape[1]}x{photo.shape[0]} px but its camera is "
-            f"{full.width}x{full.height} px; import the photos that the model was made from"
-        )
-    factor = min(1.0, max_image_px / max(full.width, full.height))
+    factor = min(1.0, max_image_px / full.width)
     width, height = (max(1, round(side * factor)) for side in (full.width, full.height))
     camera = full.scaled(width, height)
     cam_from_world: Any = similarity.camera(full.cam_from_world).tolist()
     image = f"images/{source.name}.png"
-    write_image(target / image, _scaled(photo, camera, cv2.INTER_AREA))
+    write_image(target / image, _scaled(_photo(source), camera, cv2.INTER_AREA))
     for kind, mask in source.masks.items():
-        _write_mask(mask, full, camera, target / "given" / kind / f"{source.name}.png")
+        _write_mask(mask, source, camera, target / "given" / kind / f"{source.name}.png")
+    if source.labels is not None:
+        _write_labels(source.labels, source, camera, target)
     return View(
         name=source.name,
         image=image,
@@ -119,7 +117,7 @@ def _write_view(
         cam_from_world=cam_from_world,
         split=source.split,
         session=source.session,
-        evaluation=_copied_evaluation(source, full, camera, target),
+        evaluation=_copied_evaluation(source, camera, target),
         truth=_copied_truth(source, camera, similarity.scale, target),
     )
 
@@ -131,23 +129,54 @@ def _scaled(pixels: NDArray[Any], camera: Camera, interpolation: int) -> NDArray
     return cv2.resize(pixels, size, interpolation=interpolation)
 
 
-def _write_mask(mask: SourceMask, full: Camera, camera: Camera, path: Path) -> None:
-    values = read_mask(mask.path, full.width, full.height)
+def _photo(source: SourceView) -> NDArray[np.uint8]:
+    """The photo as ``source.camera`` sees it."""
+    photo = read_rgb_as_stored(source.photo)
+    width, height = _stored_size(source)
+    if photo.shape[:2] != (height, width):
+        raise InputError(
+            f"{source.photo}: the photo is {photo.shape[1]}x{photo.shape[0]} px but its camera is "
+            f"{width}x{height} px; import the photos that the model was made from"
+        )
+    return photo if source.lens is None else undistorted(photo, source.lens)
+
+
+def _stored_size(source: SourceView) -> tuple[int, int]:
+    """Width and height of the photo on disk, in px."""
+    camera = source.camera if source.lens is None else source.lens
+    return int(camera.width), int(camera.height)
+
+
+def _write_mask(mask: SourceMask, source: SourceView, camera: Camera, path: Path) -> None:
+    values = read_mask(mask.path, *_stored_size(source))
     if not mask.white_means:
         values = ~values
+    if source.lens is not None:
+        values = undistorted_mask(values, source.lens)
     write_image(path, resize_mask(values, camera.width, camera.height))
 
 
-def _copied_evaluation(
-    source: SourceView, full: Camera, camera: Camera, target: Path
-) -> EvaluationEntry | None:
+def _write_labels(path: Path, source: SourceView, camera: Camera, target: Path) -> None:
+    """Copy a label map; where it must shrink, whole pixels are taken: classes do not mix."""
+    labels = read_labels(path)
+    width, height = _stored_size(source)
+    if labels.shape[:2] != (height, width):
+        raise InputError(
+            f"{path}: the label map is {labels.shape[1]}x{labels.shape[0]} px but its photo is "
+            f"{width}x{height} px; make the labels again at the photo's size"
+        )
+    scaled = _scaled(labels, camera, cv2.INTER_NEAREST_EXACT)
+    write_image(target / "given" / "labels" / f"{source.name}.png", scaled)
+
+
+def _copied_evaluation(source: SourceView, camera: Camera, target: Path) -> EvaluationEntry | None:
     entry = source.evaluation
     if entry is None:
         return None
     mask = None
     if entry.mask is not None:
         mask = f"given/eval/{source.name}.png"
-        _write_mask(SourceMask(Path(entry.mask)), full, camera, target / mask)
+        _write_mask(SourceMask(Path(entry.mask)), source, camera, target / mask)
     original = Path(entry.env_map)
     env_map = f"envmaps/{original.parent.name}/{original.name}"
     _copy(original, target / env_map)

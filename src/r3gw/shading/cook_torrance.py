@@ -1,6 +1,6 @@
 """Colour of foreground surfaces under SH light (paper, Sec. 4.2). Plain torch: the reference.
 
-Training uses the fused kernel in r3gw.shading.fused, which is held against this module.
+Rendering uses csrc/shade.h, which is held against this module (tests/gaussians/test_splats.py).
 """
 
 from math import pi

@@ -1,31 +1,33 @@
 """Sessions of light and their environment maps: Hosek-Wilkie sun and sky, clouds, overcast.
 
 A map is linear RGB ``[H, 2H, 3]`` in this project's convention (r3gw.lighting.envmap). Sky and sun
-are Mitsuba's `sunsky` model (Hosek and Wilkie 2012, 2013) times `SKY_SCALE`; an overcast sky is the
-CIE standard overcast sky (CIE S 011) mixed in; the lower half is a Lambertian ground lit by the
-upper half. The sun's energy lies in the four pixels around its direction, so it is about 1.4
-degrees wide instead of 0.53, with its irradiance kept.
+are those of r3gw.lighting.daylight; an overcast sky is the CIE standard overcast sky (CIE S 011)
+mixed in; the lower half is a Lambertian ground lit by the upper half. The sun is about 1.4 degrees
+wide instead of 0.53, with its irradiance kept.
 """
 
 from dataclasses import dataclass
-from math import cos, pi, radians, sin
+from math import pi, radians, sin
 
 import cv2
-import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from r3gw.geometry.cameras import UP
+from r3gw.lighting.daylight import (
+    GROUND_ALBEDO,
+    Map,
+    Sun,
+    clear_sky,
+    solid_angles,
+    splat,
+    sun_irradiance,
+)
 from r3gw.lighting.envmap import pixel_directions
 from r3gw.synthetic.textures import noise
 
-Map = NDArray[np.float64]
-
 HEIGHT_PX = 256
-SKY_SCALE = 10.0
 # Geometric mean of a panorama's linear values: under middle grey, to keep the sky unclipped.
 PANORAMA_GREY = 0.1
-GROUND_ALBEDO = np.array([0.24, 0.23, 0.2])
 
 
 @dataclass(frozen=True)
@@ -53,84 +55,30 @@ class Session:
     @property
     def sun_direction(self) -> NDArray[np.float64]:
         """Unit vector towards the sun, in world axes."""
-        azimuth, elevation = radians(self.sun_azimuth_deg), radians(self.sun_elevation_deg)
-        level = cos(elevation)
-        return np.array([level * sin(azimuth), -sin(elevation), level * cos(azimuth)])
+        return self.sun.direction
 
-
-def solid_angles(height: int) -> Map:
-    """Solid angle of each pixel ``[H, 2H, 1]`` of a map, in steradian."""
-    edges = np.cos(np.linspace(0.0, pi, height + 1))
-    rows = (edges[:-1] - edges[1:]) * pi / height
-    return np.repeat(rows[:, None, None], 2 * height, axis=1)
+    @property
+    def sun(self) -> Sun:
+        """The sun and its haze."""
+        return Sun(self.sun_azimuth_deg, self.sun_elevation_deg, self.turbidity)
 
 
 def environment(session: Session, random: np.random.Generator, height: int = HEIGHT_PX) -> Map:
     """Draw the linear map of a session, in relative radiance."""
     directions = pixel_directions(height, 2 * height).numpy()
     is_up = directions[..., 1] < 0
-    sky = _clear_sky(session, height)
+    sky = clear_sky(session.sun, height)
     sky *= is_up[..., None]
     weight = solid_angles(height) * np.maximum(-directions[..., 1:2], 0)
-    sun = _sun_irradiance(session)
+    sun = sun_irradiance(session.sun)
     level = (sky * weight).sum((0, 1)) + sun * sin(radians(session.sun_elevation_deg))
     sky = _with_clouds(sky, session, random, directions, level)
     closed = _overcast(directions, level, session.overcast)
     share = session.overcast
     light = (sky * (1 - share) + closed * share) * is_up[..., None]
-    light = light + _splat(sun * (1 - share) ** 2 * (1 - 0.25 * session.clouds), session, height)
+    light = light + splat(sun * (1 - share) ** 2 * (1 - 0.25 * session.clouds), session.sun, height)
     ground = GROUND_ALBEDO / pi * (light * weight).sum((0, 1))
     return np.where(is_up[..., None], light, ground)
-
-
-def _sky_model(session: Session, sky: float, sun: float) -> mi.Emitter:
-    """Mitsuba's emitter with its zenith (+z) turned to the world's up (-y)."""
-    upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
-    direction = session.sun_direction
-    model: mi.Emitter = mi.load_dict(
-        {
-            "type": "sunsky",
-            "sun_direction": [float(x) for x in direction],
-            "turbidity": session.turbidity,
-            "albedo": {"type": "rgb", "value": [float(x) for x in GROUND_ALBEDO]},
-            "sky_scale": sky,
-            "sun_scale": sun,
-            "to_world": upright,
-        }
-    )
-    return model
-
-
-def _evaluate(emitter: mi.Emitter, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Radiance ``[N, 3]`` from directions ``[N, 3]``."""
-    interaction = mi.SurfaceInteraction3f()
-    values = np.empty_like(directions)
-    for i, (x, y, z) in enumerate(-directions):
-        interaction.wi = mi.Vector3f(float(x), float(y), float(z))
-        values[i] = np.asarray(emitter.eval(interaction))
-    return values
-
-
-def _clear_sky(session: Session, height: int) -> Map:
-    """The sky without the sun's disc; the lower half is 0."""
-    model = _sky_model(session, SKY_SCALE, 0.0)
-    upper = pixel_directions(height, 2 * height).numpy()[: height // 2]
-    values = _evaluate(model, upper.reshape(-1, 3)).reshape(upper.shape)
-    return np.concatenate([np.maximum(values, 0.0), np.zeros_like(values)])
-
-
-def _sun_irradiance(session: Session) -> NDArray[np.float64]:
-    """Irradiance of the sun on a plane that faces it: its radiance over rings of the disc."""
-    model = _sky_model(session, 0.0, SKY_SCALE)
-    radius, rings = radians(0.5358 / 2), 24
-    towards = session.sun_direction
-    level = np.cross(towards, UP)
-    level /= np.linalg.norm(level)
-    turns = (np.arange(rings) + 0.5) / rings * radius
-    points = towards * np.cos(turns)[:, None] + level * np.sin(turns)[:, None]
-    area = 2 * pi * np.sin(turns) * radius / rings
-    irradiance: NDArray[np.float64] = (_evaluate(model, points) * area[:, None]).sum(axis=0)
-    return np.maximum(irradiance, 0.0)
 
 
 def _overcast(directions: Map, level: NDArray[np.float64], share: float) -> Map:
@@ -165,21 +113,6 @@ def _with_clouds(
     shade = np.clip(1.15 - 0.28 * (density[..., None] - threshold), 0.55, 1.1)
     white = level / pi * (0.5 + 0.7 * towards**3) * shade
     return np.asarray(sky * (1 - cover) + white * cover)
-
-
-def _splat(irradiance: NDArray[np.float64], session: Session, height: int) -> Map:
-    """The sun as the bilinear footprint of its direction: exact irradiance and exact place."""
-    theta = pi / 2 - radians(session.sun_elevation_deg)
-    turn = (radians(session.sun_azimuth_deg) / (2 * pi) + 0.5) % 1.0
-    row, column = theta / pi * height - 0.5, turn * 2 * height - 0.5
-    light = np.zeros((height, 2 * height, 3))
-    for i, share_down in ((int(np.floor(row)), 1 - row % 1), (int(np.floor(row)) + 1, row % 1)):
-        for j, share in (
-            (int(np.floor(column)), 1 - column % 1),
-            (int(np.floor(column)) + 1, column % 1),
-        ):
-            light[i, j % (2 * height)] += irradiance * share_down * share
-    return light / solid_angles(height)
 
 
 def phone_panorama(light: Map, yaw_rad: float) -> NDArray[np.float32]:

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from r3gw.geometry.cameras import Camera
-from r3gw.synthetic import lights, passersby, render
+from r3gw.lighting.daylight import Map, solid_angles
+from r3gw.synthetic import passersby, render
 from r3gw.synthetic.cameras import WORLD_FROM_BUILDING
-from r3gw.synthetic.lights import Map, Session
+from r3gw.synthetic.lights import Session
 from r3gw.synthetic.materials import Kind, Material
 from r3gw.synthetic.meshes import Part
 from r3gw.synthetic.meshes import place as placed
@@ -44,7 +45,7 @@ class Exposure:
     """A session's camera settings: one metering and white balance, small scatter per photo."""
 
     def __init__(self, light: Map, random: np.random.Generator) -> None:
-        weight = lights.solid_angles(light.shape[0])
+        weight = solid_angles(light.shape[0])
         total = (light * weight).sum((0, 1))
         balance = (total.mean() / total) ** 0.75 * random.uniform(0.96, 1.04, 3)
         red, green, blue = balance / balance[1]

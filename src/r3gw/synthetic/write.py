@@ -14,7 +14,8 @@ from r3gw.files import write_json
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
-from r3gw.synthetic.lights import Map, Session, phone_panorama, published_sun_angle
+from r3gw.lighting.daylight import Map
+from r3gw.synthetic.lights import Session, phone_panorama, published_sun_angle
 from r3gw.synthetic.points import Points
 from r3gw.synthetic.render import Truth
 

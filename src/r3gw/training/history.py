@@ -43,20 +43,20 @@ class History:
         model: SceneModel,
         photo: Photo,
         rendering: Rendering,
-        parts: dict[str, torch.Tensor],
+        parts: dict[str, float],
     ) -> dict[str, float | int]:
         """Record one iteration and return its row; losses that do not act are 0."""
         row: dict[str, float | int] = {
             "iteration": iteration,
             "seconds": self.seconds(),
-            "loss": float(sum(float(part.detach()) for part in parts.values())),
+            "loss": sum(parts.values()),
             "psnr": photo_psnr(rendering, photo),
             "num_foreground": len(model.foreground),
             "num_sky": len(model.sky.rows),
             "sky_radius": float(model.sky.radius.detach()),
         }
         for name in PARTS:
-            row[f"loss_{name}"] = float(parts[name].detach()) if name in parts else 0.0
+            row[f"loss_{name}"] = parts.get(name, 0.0)
         self.rows.append(row)
         return row
 

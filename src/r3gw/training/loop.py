@@ -1,6 +1,7 @@
 """The training loop of one run: a scene, resolved settings, a seed."""
 
 import sys
+from math import isfinite
 
 import torch
 from tqdm import tqdm
@@ -69,8 +70,7 @@ def _step(
     set_position_rate(state.optimizer, model, schedule, iteration)
     index = state.order.next(state.generator)
     photo = photos[index]
-    rendering, parts = objective(model, photo, index, iteration, schedule, state.generator)
-    loss = torch.stack(list(parts.values())).sum()
+    rendering, loss, parts = objective(model, photo, index, iteration, schedule, state.generator)
     if not torch.isfinite(loss):
         raise InputError(_not_finite(iteration, photo, parts))
     state.optimizer.zero_grad(set_to_none=True)
@@ -126,8 +126,8 @@ def _postfix(row: dict[str, float | int]) -> str:
     )
 
 
-def _not_finite(iteration: int, photo: Photo, parts: dict[str, torch.Tensor]) -> str:
-    bad = ", ".join(name for name, part in parts.items() if not torch.isfinite(part))
+def _not_finite(iteration: int, photo: Photo, parts: dict[str, float]) -> str:
+    bad = ", ".join(name for name, part in parts.items() if not isfinite(part))
     return (
         f"training diverged at iteration {iteration} on photo {photo.name}: the loss part(s) "
         f"{bad} are not finite; lower the learning rates or rates.short_run_boost"

@@ -6,10 +6,10 @@ from torch import Tensor
 
 from r3gw.gaussians.compose import Rendering, render
 from r3gw.gaussians.model import SceneModel
-from r3gw.losses.geometry import normal_loss, normals_from_depth, scale_loss
-from r3gw.losses.lighting import ground_loss, positivity_loss, random_directions
-from r3gw.losses.reconstruction import reconstruction_loss
-from r3gw.losses.separation import separation_loss, sky_depth_loss
+from r3gw.losses.lighting import ground_loss, random_directions
+from r3gw.losses.picture import PictureWeights, picture_losses
+from r3gw.losses.regularisers import flatness_loss, positivity_loss, sky_depth_loss
+from r3gw.settings.train import WeightSettings
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
 
@@ -21,8 +21,8 @@ def objective(
     iteration: int,
     schedule: Schedule,
     generator: torch.Generator,
-) -> tuple[Rendering, dict[str, Float[Tensor, ""]]]:
-    """Render a training photo and return the weighted losses that are active now.
+) -> tuple[Rendering, Float[Tensor, ""], dict[str, float]]:
+    """Render a training photo; return the loss and its weighted parts that are active now.
 
     Args:
         model: The scene.
@@ -36,32 +36,46 @@ def objective(
     light, sky_light = model.appearance(index)
     noisy = model.appearance.noisy(light, generator)
     rendering = render(model, photo.camera, noisy, sky_light)
-    parts: dict[str, Tensor] = {}
-    if weights.separation > 0:
-        parts["separation"] = weights.separation * separation_loss(
-            rendering.foreground, rendering.sky, photo.is_sky, photo.is_valid
-        )
-    if iteration <= schedule.warm_up:
-        return rendering, parts
-    parts["reconstruction"] = reconstruction_loss(
-        rendering.colour, photo.target(), photo.is_valid, weights.ssim
+    acting = acting_weights(weights, schedule, iteration)
+    pixels = picture_losses(
+        rendering.planes,
+        rendering.alpha,
+        photo.planes,
+        photo.is_valid,
+        photo.is_sky,
+        photo.camera,
+        acting,
     )
+    total = [pixels.total]
+    parts = {"separation": acting.separation * pixels.separation}
+    if iteration <= schedule.warm_up:
+        return rendering, pixels.total, parts
+
+    parts["reconstruction"] = acting.l1 * pixels.l1 + acting.dissimilarity * pixels.dissimilarity
+    parts["normal"] = acting.normal * pixels.normal
+
+    def add(name: str, weight: float, loss: Tensor) -> None:
+        total.append(weight * loss)
+        parts[name] = float(total[-1].detach())
+
     directions = random_directions(weights.light_directions, weights.light_domain, generator)
-    parts["light"] = weights.light * positivity_loss(light, directions)
+    add("light", weights.light, positivity_loss(light, directions))
     if weights.ground > 0:
         below = -random_directions(weights.light_directions, "hemisphere", generator)
-        parts["ground"] = weights.ground * ground_loss(light, below, weights.ground_reflectance)
-    is_visible = rendering.radii_px > 0
-    num_foreground = len(model.foreground)
+        add("ground", weights.ground, ground_loss(light, below, weights.ground_reflectance))
+    splats, radii_px = rendering.splats, rendering.radii_px
     if weights.sky_depth > 0:
-        parts["sky_depth"] = weights.sky_depth * sky_depth_loss(
-            rendering.depths, is_visible, num_foreground, weights.sky_depth_gamma
-        )
+        num_foreground = len(model.foreground)
+        loss = sky_depth_loss(splats.depths, radii_px, num_foreground, weights.sky_depth_gamma)
+        add("sky_depth", weights.sky_depth, loss)
     if iteration > schedule.geometry_losses_from:
-        is_foreground = photo.is_valid & ~photo.is_sky
-        from_depth = normals_from_depth(rendering.depth, photo.camera)
-        parts["normal"] = weights.normal * normal_loss(rendering.normal, from_depth, is_foreground)
-        parts["scale"] = weights.scale * scale_loss(
-            model.foreground["log_scales"], is_visible[:num_foreground]
-        )
-    return rendering, parts
+        add("scale", weights.scale, flatness_loss(splats.smallest_scales, radii_px))
+    return rendering, torch.stack(total).sum(), parts
+
+
+def acting_weights(weights: WeightSettings, schedule: Schedule, iteration: int) -> PictureWeights:
+    """Weights of a picture's losses at an iteration: warm-up knows the separation alone."""
+    if iteration <= schedule.warm_up:
+        return PictureWeights(0.0, 0.0, 0.0, weights.separation)
+    normal = weights.normal if iteration > schedule.geometry_losses_from else 0.0
+    return PictureWeights(1 - weights.ssim, weights.ssim, normal, weights.separation)

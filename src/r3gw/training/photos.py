@@ -21,20 +21,20 @@ class Photo:
     Attributes:
         name: File stem.
         camera: Its camera.
-        pixels: Display values, 0 to 255.
+        planes: Display values, 0 to 255, one plane per channel.
         is_valid: False on occluders.
         is_sky: True on sky.
     """
 
     name: str
     camera: Camera
-    pixels: UInt8[Tensor, "h w 3"]
+    planes: UInt8[Tensor, "3 h w"]
     is_valid: Bool[Tensor, "h w"]
     is_sky: Bool[Tensor, "h w"]
 
     def target(self) -> Float[Tensor, "h w 3"]:
         """Display values in [0, 1]."""
-        return self.pixels.float() / 255.0
+        return self.planes.permute(1, 2, 0).float() / 255.0
 
 
 def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Photo]:
@@ -57,7 +57,7 @@ def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Ph
             Photo(
                 view.name,
                 view.camera,
-                torch.from_numpy(pixels),
+                torch.from_numpy(pixels).permute(2, 0, 1).contiguous(),
                 torch.from_numpy(is_valid),
                 torch.from_numpy(is_sky),
             )

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import torch
 
+import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.files import write_json
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
 from r3gw.gaussians.initial import load_initial
@@ -41,6 +42,7 @@ def run_training(
         InputError: If an input is missing or malformed, or training diverges.
     """
     torch.set_num_threads(num_threads)
+    torch.ops.r3gw.keep_freed_memory()
     settings = load_train_settings(settings_path)
     imported = load_scene(scene_folder)
     photos = load_photos(imported, scene_folder, masks_folder)

@@ -5,6 +5,7 @@
 #include "raster/csrc/frame.h"
 #include "raster/csrc/semantics.h"
 #include "raster/csrc/simd.h"
+#include "raster/csrc/tile_pixels.h"
 
 namespace r3gw {
 
@@ -48,34 +49,5 @@ R3GW_INLINE Hit meet(const float* row, Lanes x, Lanes y, Lanes transmittance, Ma
   hit.weight = hit.alpha * transmittance;
   return hit;
 }
-
-// The part of a tile that lies in the image, and its blocks as rows of pixels.
-struct TileWindow {
-  int left, top, width, height;  // Pixels; width and height at most kTileSize.
-
-  TileWindow(const Frame& frame, int tile)
-      : left(tile % frame.tiles_x * kTileSize),
-        top(tile / frame.tiles_x * kTileSize),
-        width(frame.width - left < kTileSize ? frame.width - left : kTileSize),
-        height(frame.height - top < kTileSize ? frame.height - top : kTileSize) {}
-
-  // Calls visit(lane, pixel index) for the pixels of a block that lie in the image.
-  template <class Visit>
-  R3GW_INLINE void for_pixels(int image_width, int block, const Visit& visit) const {
-    const int x0 = block % kTileBlocks * kBlockSize, y0 = block / kTileBlocks * kBlockSize;
-    for (int y = 0; y < kBlockSize; ++y) {
-      if (y0 + y >= height) return;
-      const std::int64_t row = static_cast<std::int64_t>(top + y0 + y) * image_width + left + x0;
-      for (int x = 0; x < kBlockSize && x0 + x < width; ++x) visit(y * kBlockSize + x, row + x);
-    }
-  }
-
-  // One where the pixel lies in the image, else zero: the transmittance to start from.
-  Lanes inside(int block) const {
-    Lanes result{};
-    for_pixels(0, block, [&](int lane, std::int64_t) { result[lane] = 1.0f; });
-    return result;
-  }
-};
 
 }  // namespace r3gw

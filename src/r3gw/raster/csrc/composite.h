@@ -14,15 +14,15 @@ struct ChannelPass {
 // Narrowest compiled kernel that takes `used` channels, 1 <= used <= kMaxChannels.
 int kernel_width(int used);
 
-// Draws the pass's channels into `features` [H,W,channels] over `background` [channels] (null:
+// Draws the pass's channels into `features` [channels,H,W] over `background` [channels] (null:
 // zeros) and sets `alpha` [H,W]. Replaces frame.entry_mask by the blocks really drawn on.
 void composite(Frame& frame, const ChannelPass& pass, const float* background, float* features,
                float* alpha);
 
 struct ImageGradient {
-  const float* features;        // [H,W,channels] gradient
+  const float* features;        // [channels,H,W] gradient
   const float* alpha;           // [H,W] gradient, or null for zeros
-  const float* features_drawn;  // [H,W,channels] what composite() drew
+  const float* features_drawn;  // [channels,H,W] what composite() drew
   const float* alpha_drawn;     // [H,W]
 };
 
@@ -31,7 +31,7 @@ struct SplatGradient {
   float* means2d;    // [N,2]
   float* factors;    // [N,3]
   float* opacities;  // [N]
-  float* features;   // [N,columns], or null
+  float* features;   // [N,channels]
   int columns;       // The first `columns` channels receive a gradient.
 };
 
@@ -39,7 +39,7 @@ struct SplatGradient {
 void composite_backward(Frame& frame, const ChannelPass& pass, const ImageGradient& image,
                         const float* opacities, const SplatGradient& result);
 
-// Writes dL/dbackground [channels] of an image [rows, columns, channels]: the sum of gradient * (1
+// Writes dL/dbackground [channels] of an image [channels, rows, columns]: the sum of gradient * (1
 // - alpha).
 void background_gradient(std::int64_t rows, std::int64_t columns, int channels,
                          const ImageGradient& image, float* result);

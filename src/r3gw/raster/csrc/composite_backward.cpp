@@ -32,33 +32,43 @@ struct BlockState {
   Lanes gradient[Width];        // v
 };
 
-// Loads v and starts R. Returns whether any pixel of the block has a gradient.
+// Loads v and starts R. Returns the blocks that have a pixel with a gradient.
 template <int Width>
-bool load_block(const Frame& frame, const ChannelPass& pass, const ImageGradient& image,
-                const TileWindow& window, int block, BlockState<Width>& state) {
-  alignas(64) float gradient[Width][kLanes] = {};
-  alignas(64) float behind[kLanes] = {};
-  bool any = false;
-  window.for_pixels(frame.width, block, [&](int lane, std::int64_t pixel) {
-    const float* v = image.features + pixel * pass.channels + pass.first;
-    const float* drawn = image.features_drawn + pixel * pass.channels + pass.first;
-    float sum = 0.0f;
-    for (int c = 0; c < Width; ++c) {
-      if (c >= pass.used) break;
-      gradient[c][lane] = v[c];
-      sum += v[c] * drawn[c];
-      any |= v[c] != 0.0f;
+std::uint32_t load_tile(const Frame& frame, const ChannelPass& pass, const ImageGradient& image,
+                        const TileWindow& window, BlockState<Width> (&blocks)[kBlocks]) {
+  Lanes v[kBlocks], drawn[kBlocks];
+  IntLanes any[kBlocks] = {};
+  for (int block = 0; block < kBlocks; ++block) {
+    blocks[block].transmittance = window.inside(block);
+    blocks[block].behind = Lanes{};
+  }
+  for (int c = 0; c < Width; ++c) {
+    const std::int64_t plane = (pass.first + c) * frame.pixels();
+    const bool used = c < pass.used;
+    if (used) window.load(image.features + plane, frame.width, v);
+    if (used) window.load(image.features_drawn + plane, frame.width, drawn);
+    for (int block = 0; block < kBlocks; ++block) {
+      BlockState<Width>& state = blocks[block];
+      state.gradient[c] = used ? v[block] : Lanes{};
+      if (!used) continue;
+      state.behind = fma(v[block], drawn[block], state.behind);
+      any[block] |= v[block] != 0.0f;
     }
-    if (image.alpha != nullptr) {
-      sum -= image.alpha[pixel] * (1.0f - image.alpha_drawn[pixel]);
-      any |= image.alpha[pixel] != 0.0f;
+  }
+  if (image.alpha != nullptr) {
+    window.load(image.alpha, frame.width, v);
+    window.load(image.alpha_drawn, frame.width, drawn);
+    for (int block = 0; block < kBlocks; ++block) {
+      Lanes& behind = blocks[block].behind;
+      behind = minus_product(behind, v[block], 1.0f - drawn[block]);
+      any[block] |= v[block] != 0.0f;
     }
-    behind[lane] = sum;
-  });
-  state.transmittance = window.inside(block);
-  state.behind = load(behind);
-  for (int c = 0; c < Width; ++c) state.gradient[c] = load(gradient[c]);
-  return any;
+  }
+  std::uint32_t wanted = 0;
+  for (int block = 0; block < kBlocks; ++block) {
+    wanted |= std::uint32_t{bits(bit_set(any[block], any[block])) != 0} << block;
+  }
+  return wanted;
 }
 
 // Moments and the first `Columns` feature gradients of one entry over the blocks of `mask`.
@@ -106,10 +116,7 @@ void tile_gradient(Frame& frame, int tile, const ChannelPass& pass, const ImageG
   const TileWindow window(frame, tile);
   const BlockCentres centres(window.left, window.top);
   BlockState<Width> blocks[kBlocks];
-  std::uint32_t wanted = 0;
-  for (int block = 0; block < kBlocks; ++block) {
-    if (load_block(frame, pass, image, window, block, blocks[block])) wanted |= 1u << block;
-  }
+  const std::uint32_t wanted = load_tile(frame, pass, image, window, blocks);
   const std::int64_t begin = frame.first_entry[tile];
   const std::uint32_t used = frame.used_entries[tile];
   float* result = frame.gradient_rows.data() + frame.first_gradient[tile] * kResult;
@@ -139,6 +146,14 @@ void list_rows(const Frame& frame, std::int64_t rank, std::vector<const float*>&
       __builtin_prefetch(rows.back());
     }
   }
+}
+
+// Starts fetching the places that one Gaussian's gradient is added to.
+void fetch_targets(const SplatGradient& result, std::int64_t i, int channels) {
+  __builtin_prefetch(result.means2d + 2 * i, 1);
+  __builtin_prefetch(result.factors + 3 * i, 1);
+  __builtin_prefetch(result.opacities + i, 1);
+  __builtin_prefetch(result.features + i * channels, 1);
 }
 
 template <int Stride>
@@ -185,6 +200,7 @@ void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGra
           std::size_t ends[kRanksAhead + 1] = {};
           rows.clear();
           for (std::int64_t rank = first; rank < last; ++rank) {
+            fetch_targets(result, frame.order[rank].index, pass.channels);
             list_rows<kResult>(frame, rank, rows);
             ends[rank - first + 1] = rows.size();
           }
@@ -194,7 +210,7 @@ void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGra
             sum_rows<kResult>(rows.data() + start, ends[rank - first + 1] - start, sum);
             const std::int64_t i = frame.order[rank].index;
             add_splat_gradient(frame.rows.data() + rank * kRow, sum, i, opacities, result);
-            float* target = result.features + i * result.columns + pass.first;
+            float* target = result.features + i * pass.channels + pass.first;
             for (int column = 0; column < columns; ++column) {
               target[column] = sum[kMoments + column];
             }
@@ -232,10 +248,14 @@ void background_gradient(std::int64_t rows, std::int64_t columns, int channels,
                          const ImageGradient& image, float* result) {
   std::vector<float> row_sums(rows * channels, 0.0f);
   parallel_parts(rows, parts_for(rows, kImageRowsPerPart), [&](auto begin, auto end, int) {
-    for (std::int64_t pixel = begin * columns; pixel < end * columns; ++pixel) {
-      const float passed = 1.0f - image.alpha_drawn[pixel];
-      float* sum = row_sums.data() + pixel / columns * channels;
-      for (int c = 0; c < channels; ++c) sum[c] += passed * image.features[pixel * channels + c];
+    for (std::int64_t row = begin; row < end; ++row) {
+      for (int c = 0; c < channels; ++c) {
+        const float* v = image.features + (c * rows + row) * columns;
+        const float* covered = image.alpha_drawn + row * columns;
+        float sum = 0.0f;
+        for (std::int64_t x = 0; x < columns; ++x) sum += (1.0f - covered[x]) * v[x];
+        row_sums[row * channels + c] = sum;
+      }
     }
   });
   std::fill_n(result, channels, 0.0f);

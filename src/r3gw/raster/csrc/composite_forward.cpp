@@ -83,23 +83,20 @@ std::uint64_t draw_block(const Frame& frame, const std::uint32_t* ranks, std::ui
 }
 
 template <int Width>
-void write_block(const Frame& frame, const ChannelPass& pass, const TileWindow& window, int block,
-                 const BlockState<Width>& state, const float* background, float* features,
-                 float* alpha) {
-  alignas(64) float colours[Width][kLanes];
+void write_tile(const Frame& frame, const ChannelPass& pass, const TileWindow& window,
+                const BlockState<Width> (&blocks)[kBlocks], const float* background,
+                float* features, float* alpha) {
+  Lanes values[kBlocks];
   for (int c = 0; c < Width; ++c) {
-    const float behind = background != nullptr && c < pass.used ? background[pass.first + c] : 0.0f;
-    store(colours[c], fma(state.transmittance, splat(behind), state.features[c]));
-  }
-  alignas(64) float covered[kLanes];
-  store(covered, 1.0f - state.transmittance);
-  window.for_pixels(frame.width, block, [&](int lane, std::int64_t pixel) {
-    alpha[pixel] = covered[lane];
-    float* target = features + pixel * pass.channels + pass.first;
-    for (int c = 0; c < Width; ++c) {
-      if (c < pass.used) target[c] = colours[c][lane];
+    if (c >= pass.used) break;
+    const float behind = background != nullptr ? background[pass.first + c] : 0.0f;
+    for (int block = 0; block < kBlocks; ++block) {
+      values[block] = fma(blocks[block].transmittance, splat(behind), blocks[block].features[c]);
     }
-  });
+    window.store(features + (pass.first + c) * frame.pixels(), frame.width, values);
+  }
+  for (int block = 0; block < kBlocks; ++block) values[block] = 1.0f - blocks[block].transmittance;
+  window.store(alpha, frame.width, values);
 }
 
 template <int Width>
@@ -134,9 +131,7 @@ void draw_tile(Frame& frame, int tile, const ChannelPass& pass, const float* bac
     const int used = masks_from_words(words, count, masks);
     if (used != 0) frame.used_entries[tile] = static_cast<std::uint32_t>(chunk - begin + used);
   }
-  for (int block = 0; block < kBlocks; ++block) {
-    write_block(frame, pass, window, block, blocks[block], background, features, alpha);
-  }
+  write_tile(frame, pass, window, blocks, background, features, alpha);
 }
 
 template <int Width>

@@ -37,6 +37,7 @@ struct Frame {
   // Image.
   int width = 0, height = 0, tiles_x = 0, tiles_y = 0;
   int tiles() const { return tiles_x * tiles_y; }
+  std::int64_t pixels() const { return static_cast<std::int64_t>(width) * height; }
 
   // Visible Gaussians by rank.
   std::int64_t visible = 0;

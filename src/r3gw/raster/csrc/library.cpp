@@ -100,7 +100,7 @@ std::tuple<Tensor, Tensor, c10::intrusive_ptr<FrameHandle>> composite_op(
   frame.tiles_x = (frame.width + kTileSize - 1) / kTileSize;
   frame.tiles_y = (frame.height + kTileSize - 1) / kTileSize;
   const Splats splats = splats_from(means2d, factors, screen, features);
-  Tensor image = at::empty({height, width, features.size(1)}, features.options());
+  Tensor image = at::empty({features.size(1), height, width}, features.options());
   Tensor alpha = at::empty({height, width}, features.options());
   sort_by_depth(frame, means2d.size(0), radii.const_data_ptr<float>(), splats.screen);
   for (int first = 0; first < splats.channels; first += kMaxChannels) {
@@ -122,7 +122,7 @@ std::tuple<Tensor, Tensor, Tensor, Tensor> composite_backward_op(
   const Splats splats = splats_from(means2d, factors, screen, features);
   Tensor grad_means2d = at::zeros_like(means2d), grad_factors = at::zeros_like(factors);
   Tensor grad_opacities = at::zeros_like(opacities);
-  Tensor grad_features = at::zeros({features.size(0), feature_columns}, features.options());
+  Tensor grad_features = at::zeros_like(features);
   const SplatGradient result{grad_means2d.data_ptr<float>(), grad_factors.data_ptr<float>(),
                              grad_opacities.data_ptr<float>(), grad_features.data_ptr<float>(),
                              static_cast<int>(feature_columns)};
@@ -140,10 +140,10 @@ std::tuple<Tensor, Tensor, Tensor, Tensor> composite_backward_op(
 }
 
 Tensor background_gradient_op(const Tensor& grad_image, const Tensor& alpha) {
-  const auto channels = static_cast<int>(grad_image.size(2));
+  const auto channels = static_cast<int>(grad_image.size(0));
   Tensor result = at::empty({channels}, grad_image.options());
   background_gradient(
-      grad_image.size(0), grad_image.size(1), channels,
+      grad_image.size(1), grad_image.size(2), channels,
       {grad_image.const_data_ptr<float>(), nullptr, nullptr, alpha.const_data_ptr<float>()},
       result.data_ptr<float>());
   return result;

@@ -2,65 +2,24 @@
 // replaced by its Jacobian at the mean, so a 3D Gaussian projects to a 2D Gaussian.
 #include "raster/csrc/projection.h"
 
-#include <algorithm>
 #include <limits>
 
-#include "raster/csrc/parallel.h"
+#include "raster/csrc/quaternion.h"
+#include "raster/csrc/rows.h"
 #include "raster/csrc/semantics.h"
-#include "raster/csrc/simd.h"
 
 namespace r3gw {
 namespace {
 
 constexpr std::int64_t kGaussiansPerPart = 4096;
 
-// Rows [first, first + count) of a row-major array, one register per column; lanes past the end
-// repeat the last row.
+// Zero where `mask` is false.
 template <int Columns>
-void load_rows(const float* source, std::int64_t first, int count, Lanes (&columns)[Columns]) {
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const float* row = source + (first + std::min(lane, count - 1)) * Columns;
-    for (int column = 0; column < Columns; ++column) columns[column][lane] = row[column];
-  }
-}
-
-template <int Columns>
-void store_rows(float* target, std::int64_t first, int count, Mask mask,
+void store_kept(float* target, std::int64_t first, int count, Mask mask,
                 const Lanes (&columns)[Columns]) {
   Lanes kept[Columns];
   for (int column = 0; column < Columns; ++column) kept[column] = keep(mask, columns[column]);
-  for (int lane = 0; lane < count; ++lane) {
-    float* row = target + (first + lane) * Columns;
-    for (int column = 0; column < Columns; ++column) row[column] = kept[column][lane];
-  }
-}
-
-Lanes dot(const Lanes (&a)[3], const Lanes (&b)[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-void rotation_from_unit_quaternion(const Lanes (&q)[4], Lanes (&r)[3][3]) {
-  const Lanes w = q[0], x = q[1], y = q[2], z = q[3];
-  r[0][0] = 1.0f - 2.0f * (y * y + z * z);
-  r[0][1] = 2.0f * (x * y - w * z);
-  r[0][2] = 2.0f * (x * z + w * y);
-  r[1][0] = 2.0f * (x * y + w * z);
-  r[1][1] = 1.0f - 2.0f * (x * x + z * z);
-  r[1][2] = 2.0f * (y * z - w * x);
-  r[2][0] = 2.0f * (x * z - w * y);
-  r[2][1] = 2.0f * (y * z + w * x);
-  r[2][2] = 1.0f - 2.0f * (x * x + y * y);
-}
-
-// Gradient of a unit quaternion from the gradient `g` of its rotation matrix.
-void unit_quaternion_gradient(const Lanes (&q)[4], const Lanes (&g)[3][3], Lanes (&gradient)[4]) {
-  const Lanes w = q[0], x = q[1], y = q[2], z = q[3];
-  const Lanes skew_x = g[2][1] - g[1][2], skew_y = g[0][2] - g[2][0], skew_z = g[1][0] - g[0][1];
-  const Lanes even_x = g[2][1] + g[1][2], even_y = g[0][2] + g[2][0], even_z = g[1][0] + g[0][1];
-  gradient[0] = 2.0f * (x * skew_x + y * skew_y + z * skew_z);
-  gradient[1] = 2.0f * (y * even_z + z * even_y + w * skew_x - 2.0f * x * (g[1][1] + g[2][2]));
-  gradient[2] = 2.0f * (x * even_z + z * even_x + w * skew_y - 2.0f * y * (g[0][0] + g[2][2]));
-  gradient[3] = 2.0f * (x * even_y + y * even_x + w * skew_z - 2.0f * z * (g[0][0] + g[1][1]));
+  store_rows(target, first, count, kept);
 }
 
 // Everything between sixteen Gaussians and their projections.
@@ -120,8 +79,7 @@ Ewa ewa_projection(const Camera& camera, const Gaussians& gaussians, std::int64_
   hold_slopes(camera, ewa);
 
   auto& q = ewa.quaternion;
-  ewa.inverse_length = 1.0f / square_root(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (Lanes& component : q) component *= ewa.inverse_length;
+  ewa.inverse_length = make_unit(q);
   rotation_from_unit_quaternion(q, ewa.rotation);
 
   const float focal[2] = {camera.fx, camera.fy};
@@ -180,10 +138,10 @@ void project_lanes(const Camera& camera, const Gaussians& gaussians, const float
   const Lanes radius[1] = {maximum(half[0], half[1])};
   const Lanes factor_columns[3] = {factors.a, factors.k, factors.c};
   const Lanes screen[kScreenColumns] = {ewa.position[2], half[0], half[1], log2_opacity};
-  store_rows(result.means2d, first, count, visible, mean);
-  store_rows(result.factors, first, count, visible, factor_columns);
-  store_rows(result.screen, first, count, visible, screen);
-  store_rows(result.radii, first, count, visible, radius);
+  store_kept(result.means2d, first, count, visible, mean);
+  store_kept(result.factors, first, count, visible, factor_columns);
+  store_kept(result.screen, first, count, visible, screen);
+  store_kept(result.radii, first, count, visible, radius);
 }
 
 struct CovarianceGradient {
@@ -253,39 +211,24 @@ void project_lanes_backward(const Camera& camera, const Gaussians& gaussians, co
     mean[k] = r[0][k] * position[0] + r[1][k] * position[1] + r[2][k] * position[2];
   }
   unit_quaternion_gradient(ewa.quaternion, rotation, quaternion);
-  const auto& q = ewa.quaternion;  // Normalisation lets only the part orthogonal to q through.
-  const Lanes radial =
-      q[0] * quaternion[0] + q[1] * quaternion[1] + q[2] * quaternion[2] + q[3] * quaternion[3];
-  for (int i = 0; i < 4; ++i) quaternion[i] = (quaternion[i] - radial * q[i]) * ewa.inverse_length;
-
-  store_rows(result.means, first, count, visible, mean);
-  store_rows(result.quaternions, first, count, visible, quaternion);
-  store_rows(result.scales, first, count, visible, scale);
-}
-
-template <class Work>
-void for_sixteens(std::int64_t total, const Work& work) {
-  const std::int64_t groups = (total + kLanes - 1) / kLanes;
-  parallel_parts(groups, parts_for(total, kGaussiansPerPart), [&](auto begin, auto end, int) {
-    for (std::int64_t group = begin; group < end; ++group) {
-      const std::int64_t first = group * kLanes;
-      work(first, static_cast<int>(std::min<std::int64_t>(kLanes, total - first)));
-    }
-  });
+  through_normalisation(ewa.quaternion, ewa.inverse_length, quaternion);
+  store_kept(result.means, first, count, visible, mean);
+  store_kept(result.quaternions, first, count, visible, quaternion);
+  store_kept(result.scales, first, count, visible, scale);
 }
 
 }  // namespace
 
 void project(const Camera& camera, const Gaussians& gaussians, const float* opacities,
              const Projection& result) {
-  for_sixteens(gaussians.count, [&](std::int64_t first, int count) {
+  for_sixteens(gaussians.count, kGaussiansPerPart, [&](std::int64_t first, int count) {
     project_lanes(camera, gaussians, opacities, first, count, result);
   });
 }
 
 void project_backward(const Camera& camera, const Gaussians& gaussians, const float* radii,
                       const ProjectionGradient& gradient, const GaussianGradient& result) {
-  for_sixteens(gaussians.count, [&](std::int64_t first, int count) {
+  for_sixteens(gaussians.count, kGaussiansPerPart, [&](std::int64_t first, int count) {
     project_lanes_backward(camera, gaussians, radii, gradient, first, count, result);
   });
 }

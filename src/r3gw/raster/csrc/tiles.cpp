@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::int64_t kRanksPerPart = 8192;
 constexpr std::int64_t kTilesPerPart = 16384;
+constexpr std::int64_t kRanksAhead = 16;  // Fetched while earlier ones are read.
 
 // Relative and absolute slack of the block test, so that rounding never drops a visible pixel.
 constexpr float kSlackFactor = 1.0001f, kSlack = 1e-3f;
@@ -150,6 +151,14 @@ void fill_entries(Frame& frame, int parts) {
   });
 }
 
+// Splats are read in the order of their depth, which is none in memory.
+void fetch_splat(const Splats& splats, std::int64_t i) {
+  __builtin_prefetch(splats.means2d + 2 * i);
+  __builtin_prefetch(splats.factors + 3 * i);
+  __builtin_prefetch(splats.screen + kScreenColumns * i);
+  __builtin_prefetch(splats.features + i * splats.channels);
+}
+
 }  // namespace
 
 void fill_rows(Frame& frame, const Splats& splats, int first, int used, int width) {
@@ -159,6 +168,7 @@ void fill_rows(Frame& frame, const Splats& splats, int first, int used, int widt
   parallel_parts(frame.visible, parts, [&](auto begin, auto end, int) {
     for (std::int64_t rank = begin; rank < end; ++rank) {
       const std::int64_t i = frame.order[rank].index;
+      fetch_splat(splats, frame.order[std::min(rank + kRanksAhead, end - 1)].index);
       float* row = frame.rows.data() + rank * stride;
       std::copy_n(splats.means2d + 2 * i, 2, row + kMeanX);
       std::copy_n(splats.factors + 3 * i, 3, row + kFactorA);

@@ -1,0 +1,123 @@
+"""Pictures of a scene relit: by one map turned around the circle, and by learned lights.
+
+``map/<view>_<yaw>.png`` and ``map/light_<yaw>.png`` show two views and the map, which turns about
+the vertical towards its right; ``learned/<view>_<n>.png`` and ``learned/light_<n>.png`` the same
+views under lights that were learned for photos, with those photos' skies. relit.json names them.
+"""
+
+from collections.abc import Sequence
+from math import radians
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from numpy.typing import NDArray
+from torch import Tensor
+
+from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.lights import map_light, photo_light
+from r3gw.evaluation.pictures import bytes_from_display
+from r3gw.files import write_json
+from r3gw.geometry.rotations import rotation_about_axis
+from r3gw.imaging.colour import display_array_from_linear, linear_from_display
+from r3gw.imaging.files import LDR_SUFFIXES, write_image
+from r3gw.lighting import envmap
+from r3gw.lighting.sh_rotation import rotate
+from r3gw.scene import View
+
+NUM_YAWS = 24
+NUM_VIEWS = 2
+NUM_LIGHTS = 6
+THUMBNAIL_PX = 64
+BRIGHTEST_QUANTILE = 0.98
+
+Item = TypeVar("Item")
+Source = tuple[str, Float[Tensor, "coeff 3"], Float[Tensor, "h w 3"]]
+
+
+def evenly(items: Sequence[Item], count: int) -> list[Item]:
+    """At most ``count`` of the items, evenly spread."""
+    chosen = np.linspace(0, len(items) - 1, min(count, len(items))).round().astype(int)
+    return [items[i] for i in np.unique(chosen)]
+
+
+def write_gallery(bench: Bench, folder: Path) -> None:
+    """Render two views under a turning map and under learned lights; relit.json is last."""
+    views = evenly(bench.scene.split("test") or bench.scene.split("train"), NUM_VIEWS)
+    name, light, env_map = _map_source(bench)
+    yaws_deg = [round(360 * i / NUM_YAWS) for i in range(NUM_YAWS)]
+    for yaw_deg in yaws_deg:
+        turned = rotate(light, rotation_about_axis(1, radians(yaw_deg)))
+        shift = round(env_map.shape[1] * yaw_deg / 360)
+        thumbnail = light_picture(env_map.roll(shift, dims=1))
+        write_image(folder / "map" / f"light_{yaw_deg:03d}.png", thumbnail)
+        for view in views:
+            picture = bytes_from_display(bench.render(view, turned, None))
+            write_image(folder / "map" / f"{view.name}_{yaw_deg:03d}.png", picture)
+    photos = _photos_of_sessions(bench.scene.split("train"))
+    for number, photo in enumerate(photos):
+        learned, sky_light = photo_light(bench.model, photo)
+        drawn = light_picture(envmap.draw(learned, THUMBNAIL_PX))
+        write_image(folder / "learned" / f"light_{number}.png", drawn)
+        for view in views:
+            picture = bytes_from_display(bench.render(view, learned, sky_light))
+            write_image(folder / "learned" / f"{view.name}_{number}.png", picture)
+    names = [view.name for view in views]
+    write_json(
+        folder / "relit.json",
+        {"views": names, "map": name, "yaws_deg": yaws_deg, "photos": photos},
+    )
+
+
+def light_picture(env_map: Float[Tensor, "h w 3"]) -> NDArray[np.uint8]:
+    """A small picture of a linear map, its 98th percentile white: ``[64, 128, 3]``."""
+    resized = torch.nn.functional.interpolate(
+        env_map.permute(2, 0, 1)[None], (THUMBNAIL_PX, 2 * THUMBNAIL_PX), mode="area"
+    )[0].permute(1, 2, 0)
+    white = max(float(resized.quantile(BRIGHTEST_QUANTILE)), 1e-6)
+    return bytes_from_display(display_array_from_linear((resized / white).numpy()))
+
+
+def _photos_of_sessions(views: Sequence[View]) -> list[str]:
+    """One photo per session, or any photos where sessions are unknown."""
+    first = {view.session or view.name: view.name for view in reversed(views)}
+    return evenly(sorted(first.values()), NUM_LIGHTS)
+
+
+def _map_source(bench: Bench) -> Source:
+    """The most directional of the maps that come with the scene; else of the learned lights."""
+    test = bench.scene.split("test")
+    sources = [_map_of(bench, view) for view in test if view.truth or view.evaluation]
+    if not sources:
+        for photo in bench.model.photos:
+            light = photo_light(bench.model, photo)[0]
+            drawn = envmap.draw(light, THUMBNAIL_PX)
+            sources.append((f"light learned for {photo}", light, drawn))
+    return max(sources, key=lambda source: _directionality(source[1]))
+
+
+def _directionality(light: Float[Tensor, "coeff 3"]) -> float:
+    """Strength of band 1 over that of band 0: 0 for a uniform light."""
+    return float(light[1:4].norm() / light[0].norm())
+
+
+def _map_of(bench: Bench, view: View) -> Source:
+    """A test view's true HDR map in the photo's units, or its LDR map.
+
+    An LDR map knows no units, so it is brought to the mean strength of the learned lights.
+    """
+    if view.truth is not None:
+        path = bench.scene_folder / view.truth.env_map
+        name = f"true map of {view.session or view.name}"
+        return name, bench.true_light(view.truth), envmap.read_env_map(path)
+    assert view.evaluation is not None  # the caller's choice
+    path = bench.scene_folder / view.evaluation.env_map
+    env_map = envmap.read_env_map(path)
+    if path.suffix.lower() in LDR_SUFFIXES:
+        env_map = linear_from_display(env_map)
+    light = map_light(path, bench.light_degree)
+    lights = [photo_light(bench.model, photo)[0] for photo in bench.model.photos]
+    strength = torch.stack(lights)[:, 0].mean()
+    return f"map of {view.session or view.name}", light * strength / light[0].mean(), env_map

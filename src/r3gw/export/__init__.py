@@ -1,0 +1,1 @@
+"""Trained scenes for other programs: PLY, glTF and lights."""

@@ -1,0 +1,92 @@
+// The part of a tile that lies in the image, and its pixels as sixteen blocks of sixteen lanes.
+//
+// A whole tile's row is one cache line of a plane, and four rows are four blocks: they change places
+// in registers, by quarters.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+#include "raster/csrc/frame.h"
+#include "raster/csrc/simd.h"
+
+namespace r3gw {
+
+// Quarter q of result r is quarter r of source q.
+R3GW_INLINE void transpose_quarters(const Lanes (&s)[4], Lanes* result) {
+  const Lanes low01 = __builtin_shufflevector(s[0], s[1], 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19,
+                                              20, 21, 22, 23);
+  const Lanes low23 = __builtin_shufflevector(s[2], s[3], 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19,
+                                              20, 21, 22, 23);
+  const Lanes high01 = __builtin_shufflevector(s[0], s[1], 8, 9, 10, 11, 12, 13, 14, 15, 24, 25,
+                                               26, 27, 28, 29, 30, 31);
+  const Lanes high23 = __builtin_shufflevector(s[2], s[3], 8, 9, 10, 11, 12, 13, 14, 15, 24, 25,
+                                               26, 27, 28, 29, 30, 31);
+  const auto even = [](Lanes a, Lanes b) {
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27);
+  };
+  const auto odd = [](Lanes a, Lanes b) {
+    return __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30,
+                                   31);
+  };
+  result[0] = even(low01, low23);
+  result[1] = odd(low01, low23);
+  result[2] = even(high01, high23);
+  result[3] = odd(high01, high23);
+}
+
+struct TileWindow {
+  int left, top, width, height;  // Pixels; width and height at most kTileSize.
+
+  TileWindow(const Frame& frame, int tile)
+      : left(tile % frame.tiles_x * kTileSize),
+        top(tile / frame.tiles_x * kTileSize),
+        width(std::min(frame.width - left, kTileSize)),
+        height(std::min(frame.height - top, kTileSize)) {}
+
+  bool is_whole() const { return width == kTileSize && height == kTileSize; }
+
+  // The tile's pixels of a plane [H,W], block by block; zero outside the image.
+  void load(const float* plane, int image_width, Lanes (&blocks)[kBlocks]) const {
+    const float* first = plane + static_cast<std::int64_t>(top) * image_width + left;
+    for (int y = 0; y < kTileSize; y += kBlockSize) {
+      Lanes rows[kBlockSize] = {};
+      for (int i = 0; i < kBlockSize; ++i) {
+        const float* row = first + static_cast<std::int64_t>(y + i) * image_width;
+        if (is_whole()) {
+          rows[i] = r3gw::load(row);
+        } else if (y + i < height) {
+          std::memcpy(&rows[i], row, width * sizeof(float));
+        }
+      }
+      transpose_quarters(rows, blocks + y);
+    }
+  }
+
+  void store(float* plane, int image_width, const Lanes (&blocks)[kBlocks]) const {
+    float* first = plane + static_cast<std::int64_t>(top) * image_width + left;
+    for (int y = 0; y < height; y += kBlockSize) {
+      const Lanes group[kBlockSize] = {blocks[y], blocks[y + 1], blocks[y + 2], blocks[y + 3]};
+      Lanes rows[kBlockSize];
+      transpose_quarters(group, rows);
+      for (int i = 0; i < kBlockSize && y + i < height; ++i) {
+        float* row = first + static_cast<std::int64_t>(y + i) * image_width;
+        if (width == kTileSize) {
+          r3gw::store(row, rows[i]);
+        } else {
+          std::memcpy(row, &rows[i], width * sizeof(float));
+        }
+      }
+    }
+  }
+
+  // One where the pixel lies in the image, else zero: the transmittance to start from.
+  Lanes inside(int block) const {
+    const IntLanes x = block % kTileBlocks * kBlockSize + kLaneIndex % kBlockSize;
+    const IntLanes y = block / kTileBlocks * kBlockSize + kLaneIndex / kBlockSize;
+    return as_float(as_int(splat(1.0f)) & (x < width) & (y < height));
+  }
+};
+
+}  // namespace r3gw

@@ -1,0 +1,1 @@
+"""Showing a trained scene: any camera, any light, as pictures or as a film."""

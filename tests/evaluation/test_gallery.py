@@ -1,0 +1,60 @@
+"""r3gw.evaluation.gallery: the map turns with its light, learned lights are the learned ones."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from r3gw.evaluation.gallery import evenly, light_picture, write_gallery
+from r3gw.imaging.files import read_rgb
+
+
+@pytest.fixture(scope="module")
+def gallery(tiny, tmp_path_factory):
+    """The gallery of the tiny scene."""
+    folder = tmp_path_factory.mktemp("gallery")
+    write_gallery(tiny.bench, folder)
+    return folder
+
+
+def test_unturned_true_map_gives_the_photo(tiny, gallery):
+    shown = json.loads((gallery / "relit.json").read_text())
+    assert shown["views"] == ["b_exact", "c_swept"]
+    assert shown["yaws_deg"] == list(range(0, 360, 15))
+    photo = read_rgb(tiny.folder / "images" / "b_exact.png").astype(int)
+    assert shown["map"] == "true map of b"  # its sun makes it the most directional
+    assert np.abs(read_rgb(gallery / "map" / "b_exact_000.png") - photo).max() <= 1
+    turned = read_rgb(gallery / "map" / "b_exact_180.png").astype(int)
+    assert np.abs(turned[20:] - photo[20:]).mean() > 5
+
+
+def test_thumbnail_turns_to_the_right(gallery):
+    first, quarter = (read_rgb(gallery / "map" / f"light_{yaw:03d}.png") for yaw in (0, 90))
+    np.testing.assert_array_equal(quarter, np.roll(first, first.shape[1] // 4, axis=1))
+
+
+def test_learned_lights_come_from_one_photo_per_session(tiny, gallery):
+    shown = json.loads((gallery / "relit.json").read_text())
+    assert shown["photos"] == ["a_0"]  # both training photos are of session a
+    view = tiny.view("c_swept")
+    with torch.no_grad():
+        light, sky = tiny.model.appearance(0)
+    expected = tiny.bench.render(view, light, sky) * 255
+    picture = read_rgb(gallery / "learned" / "c_swept_0.png")
+    np.testing.assert_allclose(picture, expected, rtol=0, atol=0.51)
+
+
+def test_light_picture_is_white_at_its_brightest():
+    grey = torch.full((16, 32, 3), 0.2)
+    grey[0] = 0.8
+    picture = light_picture(grey)
+    assert picture.shape == (64, 128, 3)
+    assert picture[0].min() == 255
+    expected = 255 * (0.2 / 0.8) ** (1 / 2.2)
+    np.testing.assert_allclose(picture[40], expected, rtol=0, atol=1)
+
+
+def test_evenly_takes_both_ends():
+    assert evenly(range(10), 4) == [0, 3, 6, 9]
+    assert evenly("ab", 5) == ["a", "b"]

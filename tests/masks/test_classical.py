@@ -1,0 +1,87 @@
+"""The sky segmentation on made pictures, whose sky is known."""
+
+import cv2
+import numpy as np
+import pytest
+
+from r3gw.masks import segment_sky
+
+
+def made_photo(sky_rgb, wall_rgb, size=(300, 400), seed=0):
+    """A gabled house with stones and a tree, under a sky with a soft gradient; and the sky."""
+    rng = np.random.default_rng(seed)
+    height, width = size
+    y, x = np.mgrid[:height, :width] / height
+    house = (y > 0.35) & (abs(x - 0.6) < 0.35) | (abs(x - 0.6) < (y - 0.12) * 1.5) & (y < 0.36)
+    tree = (x - 1.15) ** 2 + (y - 0.6) ** 2 < 0.02
+    ground = y > 0.8
+    photo = np.array(sky_rgb) * (0.9 + 0.1 * y[..., None])
+    stones = cv2.resize(rng.uniform(0.7, 1.1, (30, 40)), (width, height), interpolation=0)
+    photo[house] = (np.array(wall_rgb) * stones[..., None])[house]
+    photo[tree] = rng.uniform(0.3, 1, (height, width, 1))[tree] * (30, 60, 20)
+    photo[ground] = (np.array((110, 105, 95)) * stones[..., None])[ground]
+    photo += rng.normal(0, 2, photo.shape)
+    return np.clip(photo, 0, 255).astype(np.uint8), ~(house | tree | ground)
+
+
+@pytest.mark.parametrize(
+    ("sky_rgb", "wall_rgb"),
+    [
+        ((120, 160, 220), (190, 170, 140)),  # fair day
+        ((225, 228, 232), (150, 148, 142)),  # overcast, grey stone
+        ((60, 90, 160), (235, 233, 230)),  # white stone, darker than the sky is bright
+        ((90, 90, 100), (70, 55, 45)),  # dusk
+    ],
+)
+def test_sky_of_a_made_photo(sky_rgb, wall_rgb):
+    photo, truth = made_photo(sky_rgb, wall_rgb)
+    found = segment_sky(photo)
+    assert found.shape == truth.shape
+    assert (found & truth).sum() / (found | truth).sum() > 0.97
+
+
+@pytest.mark.parametrize("size", [(150, 200), (900, 1200)])
+def test_sky_of_small_and_large_photos(size):
+    photo, truth = made_photo((120, 160, 220), (190, 170, 140), size)
+    found = segment_sky(photo)
+    assert (found & truth).sum() / (found | truth).sum() > 0.97
+
+
+@pytest.mark.parametrize("hard", [0, 70])  # pixels from the left whose edge is hard
+def test_cloud_on_a_blue_sky_is_sky(hard):
+    photo, truth = made_photo((60, 100, 190), (150, 130, 105))
+    y, x = np.mgrid[:300, :400]
+    cloud = np.exp(-(((x - 60) / 60) ** 4) - ((y - 160) / 50) ** 4)
+    cloud = np.where(x < hard, cloud > 0.5, cloud)[..., None] * truth[..., None]
+    photo = (photo * (1 - cloud) + 250 * cloud).astype(np.uint8)
+    found = segment_sky(photo)
+    assert (found & truth).sum() / (found | truth).sum() > 0.97
+
+
+def test_same_photo_gives_the_same_mask():
+    photo, _ = made_photo((120, 160, 220), (190, 170, 140))
+    assert np.array_equal(segment_sky(photo), segment_sky(photo))
+
+
+def test_photo_without_anything_smooth_has_no_sky():
+    photo = np.random.default_rng(0).integers(0, 255, (120, 160, 3), dtype=np.uint8)
+    assert not segment_sky(photo).any()
+
+
+def test_holes_in_a_tree_are_sky_and_windows_are_not():
+    photo, truth = made_photo((120, 160, 220), (190, 170, 140))
+    y, x = np.mgrid[:300, :400]
+    tree = (x - 60) ** 2 + (y - 180) ** 2 < 45**2
+    rng = np.random.default_rng(1)
+    photo[tree] = rng.integers(20, 50, (int(tree.sum()), 3))
+    holes = np.zeros_like(tree)
+    for centre in ((50, 170), (75, 190), (60, 200)):
+        holes |= (x - centre[0]) ** 2 + (y - centre[1]) ** 2 < 6**2
+    photo[holes] = (112, 150, 205)
+    window = (abs(x - 180) < 10) & (abs(y - 225) < 8)  # below the horizon of this picture
+    photo[window] = (112, 150, 205)
+    truth &= ~tree | holes
+    found = segment_sky(photo)
+    assert found[holes].mean() > 0.9
+    assert not found[tree & ~cv2.dilate(holes.astype(np.uint8), np.ones((5, 5))).astype(bool)].any()
+    assert (found & truth).sum() / (found | truth).sum() > 0.97
