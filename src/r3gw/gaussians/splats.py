@@ -95,7 +95,7 @@ def splats_of(
 
 def shadows_of(rows: Rows, light: Float[Tensor, "coeff 3"]) -> list[Float[Tensor, "f 3"]]:
     """What shadows change in the irradiance of each Gaussian; empty where none are modelled."""
-    return [rows[OCCLUSION] @ light] if OCCLUSION in rows else []
+    return [rows[OCCLUSION][:, : len(light)] @ light] if OCCLUSION in rows else []
 
 
 class _Splats(torch.autograd.Function):
