@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 
 from r3gw.evaluation.bench import Bench
 from r3gw.evaluation.decomposition import (
     abs_rel,
     angles_deg,
+    count_in_front,
     light_records,
     scale_per_channel,
     sky_band,
@@ -16,6 +18,7 @@ from r3gw.evaluation.decomposition import (
     surface_records,
 )
 from r3gw.evaluation.surfaces import apart, surfaces_of
+from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import write_exr
 from r3gw.lighting import envmap
 
@@ -125,3 +128,15 @@ def test_sky_figures(tiny):
         assert record["sky_boundary_psnr"] > 50
         # The mask's sky reaches down to row 13, the wall up to about row 11 of 14.
         assert 0.0 < record["sky_foreground_alpha"] < 0.4
+
+
+def test_points_before_a_surface_are_counted():
+    """One before the wall, one behind it, one where there is no wall, one behind the camera."""
+    pose = torch.eye(4, dtype=torch.float64)
+    camera = Camera(pose, (10.0, 10.0, 8.0, 6.0), 16, 12)
+    depth = np.zeros((12, 16))
+    depth[6:] = 5.0
+    means = torch.tensor(
+        [[0.5, 0.5, 4.0], [0.5, 0.5, 6.0], [0.5, -0.5, 4.0], [0.5, 0.5, -4.0], [90.0, 0.5, 4.0]]
+    )
+    assert count_in_front(means, camera, depth) == 1

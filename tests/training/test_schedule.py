@@ -25,12 +25,12 @@ def settings(root, **changes):
 
 def test_the_papers_length_keeps_its_numbers(repository):
     schedule = Schedule.of(settings(repository))
-    assert schedule == Schedule(40000, 500, 2000, 500, 15000, 500, 3000, 30000)
+    assert schedule == Schedule(40000, 500, 2000, 500, 15000, 500, 3000, 30000, 4000, 6000)
 
 
 def test_a_short_run_scales_all(repository):
     schedule = Schedule.of(settings(repository, iterations=4000))
-    assert schedule == Schedule(4000, 50, 200, 50, 1500, 50, 300, 3000)
+    assert schedule == Schedule(4000, 50, 200, 50, 1500, 50, 300, 3000, 400, 600)
 
 
 @pytest.mark.parametrize(("n", "expected"), [(0, 0), (1, 1), (500, 1), (20000, 20)])
@@ -46,6 +46,14 @@ def test_events(repository):
     assert schedule.density_progress(1500) == 1.0
     assert not schedule.prunes_huge(300)
     assert schedule.prunes_huge(301)
+
+
+def test_shadows_are_cast_at_intervals_and_at_the_end(repository):
+    schedule = Schedule.of(settings(repository, iterations=4100))
+    cast = [i for i in range(1, 4101) if schedule.casts_shadows(i)]
+    assert cast == [410, 1025, 1640, 2255, 2870, 3485, 4100]
+    late = Schedule.of(settings(repository, iterations=30))
+    assert late.casts_shadows(30)
 
 
 def test_resets_can_be_switched_off(repository):

@@ -14,6 +14,7 @@ from r3gw.evaluation.bench import Bench
 from r3gw.evaluation.lights import photo_light
 from r3gw.evaluation.metrics import masked_psnr
 from r3gw.evaluation.surfaces import Surfaces, surfaces_of
+from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_linear
 from r3gw.scene import View
 
@@ -55,6 +56,27 @@ def sky_band(is_sky: Bool[np.ndarray, "h w"]) -> Bool[np.ndarray, "h w"]:
 
 def _has_outline(is_sky: Bool[np.ndarray, "h w"]) -> bool:
     return bool(is_sky.any() and not is_sky.all())
+
+
+def count_in_front(
+    means: Float[torch.Tensor, "n 3"], camera: Camera, depth: Float[np.ndarray, "h w"]
+) -> int:
+    """How many points lie before the surface that the camera sees in their pixel.
+
+    Args:
+        means: World positions.
+        camera: The view.
+        depth: Camera z of the surfaces, 0 where there is none.
+    """
+    pose = camera.cam_from_world.numpy()
+    points = means.double().numpy() @ pose[:3, :3].T + pose[:3, 3]
+    points = points[points[:, 2] > 0]
+    fx, fy, cx, cy = camera.intrinsics
+    column = np.floor(points[:, 0] / points[:, 2] * fx + cx).astype(np.int64)
+    row = np.floor(points[:, 1] / points[:, 2] * fy + cy).astype(np.int64)
+    is_seen = (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
+    surface = depth[row[is_seen], column[is_seen]]
+    return int((points[is_seen, 2] < surface).sum())
 
 
 def surface_records(bench: Bench) -> list[Record]:
@@ -147,7 +169,8 @@ def sky_records(bench: Bench) -> list[Record]:
     """How cleanly sky and foreground part, in every training view that shows a sky outline.
 
     Per view: ``sky_boundary_psnr`` under the learned light, over valid pixels within 5 px of the
-    outline; ``sky_foreground_alpha``, the mean opacity of foreground on valid sky pixels.
+    outline; ``sky_foreground_alpha``, the mean opacity of foreground on valid sky pixels; where
+    the true depth is known, ``sky_in_front``, the count of sky Gaussians before a surface.
     """
     records = []
     for view in bench.scene.split("train"):
@@ -162,5 +185,10 @@ def sky_records(bench: Bench) -> list[Record]:
             "sky_boundary_psnr": masked_psnr(picture, bench.photo(view), band, view.name),
             "sky_foreground_alpha": float(alpha[is_sky & is_valid].mean()),
         }
+        if view.truth is not None:
+            depth = read_linear(bench.scene_folder / view.truth.depth)[..., 0]
+            record["sky_in_front"] = float(
+                count_in_front(bench.model.sky.means().detach(), view.camera, depth)
+            )
         records.append(record)
     return records

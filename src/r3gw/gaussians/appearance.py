@@ -1,6 +1,7 @@
 """Per-photo light and sky colour: an embedding and an MLP (paper, Eq. 3 and appendix)."""
 
-from math import pi, sqrt
+from collections.abc import Sequence
+from math import isqrt, pi, sqrt
 
 import torch
 from jaxtyping import Float
@@ -8,29 +9,58 @@ from torch import Tensor, nn
 
 from r3gw.gaussians.sky import SKY_DEGREE
 from r3gw.lighting import sh
-from r3gw.settings.train import ModelSettings
+from r3gw.settings.train import InitSettings, ModelSettings
 
 # Factor on the last layers' first weights: all photos start with nearly the same, uniform light.
 FIRST_VARIATION = 0.1
 
 
+def first_light(init: InitSettings, degree: int) -> Float[Tensor, "coeff"]:
+    """SH coefficients of an even sky over even ground, as far as bands 0 and 1 show them.
+
+    The mean radiance is ``light_radiance``, the ground has ``light_below`` times the sky's.
+    """
+    light = torch.zeros(sh.num_coefficients(degree))
+    light[0] = init.light_radiance * sqrt(4 * pi)
+    # Half the step at the horizon, times the integral of |cos| over the sphere; up is -y.
+    step = init.light_radiance * (1 - init.light_below) / (1 + init.light_below)
+    light[1] = -step * 2 * pi * sqrt(3 / (4 * pi))
+    return light
+
+
 class Appearance(nn.Module):
-    """Maps a training photo's index to its environment light and its sky coefficients."""
+    """Maps a training photo's index to its environment light and its sky coefficients.
+
+    Photos of one session can share an embedding; then each has an exposure of its own, a factor
+    on the light.
+    """
 
     def __init__(
         self,
-        num_photos: int,
+        rows: Sequence[int],
         settings: ModelSettings,
-        light_radiance: float,
+        init: InitSettings,
         generator: torch.Generator,
     ) -> None:
-        """Start at uniform light of ``light_radiance`` with small random variation."""
+        """Start at the light of `first_light` with small random variation.
+
+        Args:
+            rows: Which embedding each photo uses, from 0 on without gaps.
+            settings: Sizes, noise and dropout.
+            init: The first light.
+            generator: Draws the first weights.
+        """
         super().__init__()
+        self.rows = tuple(rows)
+        num_rows = max(rows) + 1
         hidden = settings.hidden_size
         self.light_noise = settings.light_noise
         self.embedding = nn.Parameter(
-            torch.randn(num_photos, settings.embedding_size, generator=generator)
+            torch.randn(num_rows, settings.embedding_size, generator=generator)
         )
+        self.log_exposure: nn.Parameter | None = None
+        if num_rows < len(rows):
+            self.log_exposure = nn.Parameter(torch.zeros(len(rows)))
         self.trunk = nn.Sequential(
             nn.Linear(settings.embedding_size, hidden),
             nn.ReLU(),
@@ -46,25 +76,28 @@ class Appearance(nn.Module):
             nn.ReLU(),
             nn.Linear(settings.light_hidden_size, 3 * sh.num_coefficients(settings.light_degree)),
         )
-        self._initialise(light_radiance, generator)
+        self._initialise(init, generator)
 
     @torch.no_grad()
-    def _initialise(self, light_radiance: float, generator: torch.Generator) -> None:
+    def _initialise(self, init: InitSettings, generator: torch.Generator) -> None:
         for layer in self.modules():
             if isinstance(layer, nn.Linear):
                 nn.init.kaiming_uniform_(layer.weight, a=sqrt(5), generator=generator)
                 layer.bias.zero_()
         last = self.light_head[-1]
         assert isinstance(last, nn.Linear)  # for the type checker
-        last.bias[:3] = light_radiance * sqrt(4 * pi)
+        degree = isqrt(len(last.bias) // 3) - 1
+        last.bias.copy_(first_light(init, degree)[:, None].expand(-1, 3).reshape(-1))
         for head in (last, self.sky_head):
             head.weight.mul_(FIRST_VARIATION)
 
     def forward(self, photo: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
         """Light ``[(degree+1)**2, 3]`` and sky ``[4, 3]`` of one training photo, without noise."""
-        features = self.trunk(self.embedding[photo])
+        features = self.trunk(self.embedding[self.rows[photo]])
         light: Tensor = self.light_head(features)
         sky: Tensor = self.sky_head(features)
+        if self.log_exposure is not None:
+            light = light * self.log_exposure[photo].exp()
         return light.reshape(-1, 3), sky.reshape(-1, 3)
 
     def noisy(

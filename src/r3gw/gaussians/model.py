@@ -10,11 +10,12 @@ from r3gw.files import InputError, atomic_path
 from r3gw.gaussians.appearance import Appearance
 from r3gw.gaussians.foreground import initial_foreground
 from r3gw.gaussians.initial import InitialPoints
-from r3gw.gaussians.rows import Rows
+from r3gw.gaussians.rows import OCCLUSION, Rows
 from r3gw.gaussians.sky import Sky, SkyDome
+from r3gw.lighting import sh
 from r3gw.settings import TrainSettings
 
-FILE_VERSION = 1
+FILE_VERSION = 2
 
 
 @dataclass
@@ -27,6 +28,7 @@ class SceneModel:
         sky: Sky Gaussians; empty for a single-set model.
         appearance: Light and sky colour per training photo.
         photos: Names of the training photos, in the order of the embedding.
+        sessions: The photos' sessions, in the same order.
         settings: The settings of the run.
     """
 
@@ -34,6 +36,7 @@ class SceneModel:
     sky: Sky
     appearance: Appearance
     photos: tuple[str, ...]
+    sessions: tuple[str, ...]
     settings: TrainSettings
 
     @property
@@ -43,22 +46,49 @@ class SceneModel:
 
 
 def initial_model(
-    initial: InitialPoints, photos: tuple[str, ...], settings: TrainSettings
+    initial: InitialPoints,
+    photos: tuple[str, ...],
+    settings: TrainSettings,
+    sessions: tuple[str, ...] | None = None,
 ) -> SceneModel:
-    """Build the model that training starts from."""
+    """Build the model that training starts from.
+
+    Args:
+        initial: Points of both sets.
+        photos: Names of the training photos.
+        settings: The settings of the run.
+        sessions: The photos' sessions; by default each photo is a session of its own.
+    """
+    sessions = photos if sessions is None else sessions
     generator = torch.Generator().manual_seed(settings.seed)
     dome, points, angles = initial.dome, initial.foreground, initial.sky_angles
     if not settings.model.separate_sky:
         points = torch.cat([points, initial.sky_points()])
         angles = angles[:0]
-    appearance = Appearance(len(photos), settings.model, settings.init.light_radiance, generator)
+    appearance = _appearance(sessions, settings, generator)
+    foreground = initial_foreground(points, settings.init)
+    if settings.occlusion.enabled:
+        size = sh.num_coefficients(settings.model.light_degree)
+        foreground.add_computed(OCCLUSION, torch.zeros(len(points), size))
     return SceneModel(
-        initial_foreground(points, settings.init),
+        foreground,
         Sky(dome, angles, settings.init.opacity),
         appearance,
         photos,
+        sessions,
         settings,
     )
+
+
+def _appearance(
+    sessions: tuple[str, ...], settings: TrainSettings, generator: torch.Generator
+) -> Appearance:
+    """One embedding per photo, or one per session if the settings share light."""
+    rows = list(range(len(sessions)))
+    if settings.model.share_session_light:
+        known = list(dict.fromkeys(sessions))
+        rows = [known.index(session) for session in sessions]
+    return Appearance(rows, settings.model, settings.init, generator)
 
 
 def model_content(model: SceneModel) -> dict[str, Any]:
@@ -69,6 +99,7 @@ def model_content(model: SceneModel) -> dict[str, Any]:
         "sky": model.sky.state_dict(),
         "appearance": model.appearance.state_dict(),
         "photos": list(model.photos),
+        "sessions": list(model.sessions),
         "settings": model.settings.model_dump(mode="json"),
     }
 
@@ -108,11 +139,10 @@ def model_from(content: dict[str, Any]) -> SceneModel:
     dome = SkyDome(sky_state["centre"], float(sky_state["radius"]), (0.0, 0.0))
     sky = Sky(dome, sky_state["rows.values.angles"], 0.5)
     sky.load_state_dict(sky_state)
-    appearance = Appearance(
-        len(photos), settings.model, settings.init.light_radiance, torch.Generator()
-    )
+    sessions = tuple(content["sessions"])
+    appearance = _appearance(sessions, settings, torch.Generator())
     appearance.load_state_dict(content["appearance"])
-    return SceneModel(foreground, sky, appearance, photos, settings)
+    return SceneModel(foreground, sky, appearance, photos, sessions, settings)
 
 
 def _values(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:

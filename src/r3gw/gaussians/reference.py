@@ -1,12 +1,14 @@
 """What `r3gw.gaussians.splats` computes, in plain torch; it works in float64 too."""
 
+from math import pi
+
 import torch
 from jaxtyping import Float
 from torch import Tensor
 from torch.nn.functional import normalize, pad
 
 from r3gw.gaussians.model import SceneModel
-from r3gw.gaussians.splats import Splats
+from r3gw.gaussians.splats import Splats, shadows_of
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.rotations import rotation_from_quaternion
 from r3gw.imaging.colour import display_from_linear
@@ -34,6 +36,8 @@ def splats_of(
         light,
         with_specular=model.settings.model.specular,
     )
+    for shadow in shadows_of(foreground, light):
+        linear = linear + foreground["albedo_logits"].sigmoid() * shadow / pi
     colours = display_from_linear(linear)
     if sky_light is None:
         sky_colours = torch.ones_like(means[len(foreground) :])

@@ -13,6 +13,7 @@ from torch.autograd.function import once_differentiable
 
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.gaussians.model import SceneModel
+from r3gw.gaussians.rows import OCCLUSION, Rows
 from r3gw.geometry.cameras import Camera
 from r3gw.shading.brdf_table import brdf_table
 
@@ -85,10 +86,16 @@ def splats_of(
         light.contiguous(),
         None if sky_light is None else sky_light.contiguous(),
         model.sky.radius,
-        *(model.foreground[name] for name in FOREGROUND_ROWS),
         *(model.sky.rows[name] for name in SKY_ROWS),
+        *(model.foreground[name] for name in FOREGROUND_ROWS),
+        *shadows_of(model.foreground, light),
     )
     return Splats(*outputs)
+
+
+def shadows_of(rows: Rows, light: Float[Tensor, "coeff 3"]) -> list[Float[Tensor, "f 3"]]:
+    """What shadows change in the irradiance of each Gaussian; empty where none are modelled."""
+    return [rows[OCCLUSION][:, : len(light)] @ light] if OCCLUSION in rows else []
 
 
 class _Splats(torch.autograd.Function):
@@ -118,14 +125,15 @@ class _Splats(torch.autograd.Function):
             [gradient.contiguous() for gradient in gradients],
             *(foreground, sky, light, ctx.table, sky_light, ctx.cam_from_world),
         )
-        to_rows, to_radius, to_light = results[:10], results[10], results[11]
-        to_sky_light = results[12] if sky_light is not None else None
-        return (None, None, None, to_light, to_sky_light, to_radius, *to_rows)
+        to_foreground, to_rest = results[: len(foreground)], results[len(foreground) :]
+        to_sky, (to_radius, to_light) = to_rest[: len(SKY_ROWS)], to_rest[len(SKY_ROWS) :][:2]
+        to_sky_light = to_rest[-1] if sky_light is not None else None
+        return (None, None, None, to_light, to_sky_light, to_radius, *to_sky, *to_foreground)
 
 
 def _inputs(
     rows: "tuple[Tensor, ...] | list[Tensor]", radius: Tensor, centre: Tensor
 ) -> tuple[list[Tensor], list[Tensor]]:
-    """The kernel's two lists: the foreground's rows; the sky's rows, its radius and its centre."""
-    split = len(FOREGROUND_ROWS)
-    return list(rows[:split]), [*rows[split:], radius, centre]
+    """The kernel's two lists: the foreground with its shadow; the sky, its radius, its centre."""
+    split = len(SKY_ROWS)
+    return list(rows[split:]), [*rows[:split], radius, centre]

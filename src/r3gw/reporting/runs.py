@@ -39,6 +39,7 @@ DECOMPOSITION = (
     "light_error_diffuse",
     "sky_boundary_psnr",
     "sky_foreground_alpha",
+    "sky_in_front",
 )
 
 IMAGE_FIGURES = tuple(f"{metric}{suffix}" for suffix in SUFFIXES.values() for metric in METRICS)

@@ -14,6 +14,7 @@ class ModelSettings(Strict):
     separate_sky: bool
     specular: bool
     light_degree: Literal[2, 4]
+    share_session_light: bool
     embedding_size: int = Field(ge=1)
     hidden_size: int = Field(ge=1)
     light_hidden_size: int = Field(ge=1)
@@ -28,6 +29,7 @@ class InitSettings(Strict):
     roughness: float = Field(gt=0, lt=1)
     albedo: float = Field(gt=0, lt=1)
     light_radiance: float = Field(gt=0)
+    light_below: float = Field(ge=0, le=1)
 
 
 class RateSettings(Strict):
@@ -60,6 +62,8 @@ class WeightSettings(Strict):
     sky_depth_gamma: float = Field(gt=0)
     light_directions: int = Field(ge=1)
     light_domain: str = Field(pattern="^(hemisphere|sphere)$")
+    ground: float = Field(ge=0)
+    ground_reflectance: float = Field(ge=0, le=1)
 
 
 class DensitySettings(Strict):
@@ -87,6 +91,20 @@ class SkySettings(Strict):
     azimuth_range: str = Field(pattern="^(cameras|full)$")
 
 
+class OcclusionSettings(Strict):
+    """Shadows that the foreground casts on itself (r3gw.gaussians.occlusion); not in the paper."""
+
+    enabled: bool
+    first: int = Field(ge=0)
+    interval: int = Field(gt=0)
+    voxels: int = Field(ge=8, le=512)
+    directions: int = Field(ge=8)
+    reach: int = Field(ge=1)
+    offset: float = Field(ge=0)
+    bounce: float = Field(ge=0, lt=1)
+    neighbours: int = Field(ge=1)
+
+
 class TrainSettings(Strict):
     """Everything that changes the result of one training."""
 
@@ -101,6 +119,7 @@ class TrainSettings(Strict):
     weights: WeightSettings
     density: DensitySettings
     sky: SkySettings
+    occlusion: OcclusionSettings
 
 
 def load_train_settings(path: Path) -> TrainSettings:

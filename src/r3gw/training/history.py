@@ -12,7 +12,7 @@ from r3gw.gaussians.model import SceneModel
 from r3gw.training.photos import Photo
 
 ROWS = 200
-PARTS = ("reconstruction", "separation", "light", "normal", "scale", "sky_depth")
+PARTS = ("reconstruction", "separation", "light", "ground", "normal", "scale", "sky_depth")
 
 
 class History:

@@ -14,6 +14,8 @@ from r3gw.gaussians.density import (
     rising_threshold,
 )
 from r3gw.gaussians.model import SceneModel
+from r3gw.gaussians.occlusion import update_occlusion
+from r3gw.gaussians.rows import OCCLUSION
 from r3gw.training.history import History
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import set_position_rate
@@ -80,6 +82,9 @@ def _step(
     state.optimizer.step()
     model.sky.clamp_to_dome()
     _change_density(state, schedule, extent)
+    if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
+        centres = [photo.camera.centre for photo in photos]
+        update_occlusion(model.foreground, centres, model.settings.occlusion)
     if not state.history.is_due(iteration):
         return None
     return state.history.add(iteration, model, photo, rendering, parts)

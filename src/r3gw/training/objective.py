@@ -6,7 +6,7 @@ from torch import Tensor
 
 from r3gw.gaussians.compose import Rendering, render
 from r3gw.gaussians.model import SceneModel
-from r3gw.losses.lighting import random_directions
+from r3gw.losses.lighting import ground_loss, random_directions
 from r3gw.losses.picture import PictureWeights, picture_losses
 from r3gw.losses.regularisers import flatness_loss, positivity_loss, sky_depth_loss
 from r3gw.settings.train import WeightSettings
@@ -60,6 +60,9 @@ def objective(
 
     directions = random_directions(weights.light_directions, weights.light_domain, generator)
     add("light", weights.light, positivity_loss(light, directions))
+    if weights.ground > 0:
+        below = -random_directions(weights.light_directions, "hemisphere", generator)
+        add("ground", weights.ground, ground_loss(light, below, weights.ground_reflectance))
     splats, radii_px = rendering.splats, rendering.radii_px
     if weights.sky_depth > 0:
         num_foreground = len(model.foreground)

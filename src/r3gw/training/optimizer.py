@@ -30,6 +30,7 @@ def make_optimizer(model: SceneModel) -> torch.optim.Adam:
         {"name": f"{rows.prefix}{name}", "params": [parameter]}
         for rows in (model.foreground, model.sky.rows)
         for name, parameter in rows.values.items()
+        if parameter.requires_grad
     ]
     groups.append({"name": "sky.radius", "params": [model.sky.radius]})
     for group in groups:

@@ -25,6 +25,8 @@ class Schedule:
     densify_interval: int
     reset_interval: int | None
     position_iterations: int
+    occlusion_first: int
+    occlusion_interval: int
 
     @staticmethod
     def of(settings: TrainSettings) -> "Schedule":
@@ -33,7 +35,7 @@ class Schedule:
         def own(paper_iteration: int) -> int:
             return scaled(paper_iteration, settings.iterations, settings.paper_iterations)
 
-        density = settings.density
+        density, occlusion = settings.density, settings.occlusion
         return Schedule(
             iterations=settings.iterations,
             warm_up=own(settings.warm_up),
@@ -43,12 +45,20 @@ class Schedule:
             densify_interval=own(density.interval),
             reset_interval=None if density.reset_interval is None else own(density.reset_interval),
             position_iterations=own(settings.rates.position_iterations),
+            occlusion_first=own(occlusion.first),
+            occlusion_interval=own(occlusion.interval),
         )
 
     def densifies(self, iteration: int) -> bool:
         """Whether Gaussians are cloned, split and pruned after this iteration."""
         is_due = iteration % self.densify_interval == 0
         return is_due and self.densify_first <= iteration <= self.densify_last
+
+    def casts_shadows(self, iteration: int) -> bool:
+        """Whether occlusion, where it is modelled, is cast anew after this iteration."""
+        since = iteration - self.occlusion_first
+        is_due = since >= 0 and since % self.occlusion_interval == 0
+        return is_due or iteration == self.iterations
 
     def density_progress(self, iteration: int) -> float:
         """Share of the densification period that has passed, 0 to 1."""

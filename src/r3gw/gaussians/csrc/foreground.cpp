@@ -66,13 +66,24 @@ Gaussian gaussian_at(const Foreground& f, const View& view, std::int64_t first, 
   return g;
 }
 
+// Irradiance, over pi, that shadows take from sixteen Gaussians; 0 where none are modelled.
+void load_shadow(const Foreground& f, std::int64_t first, int count, Lanes (&shadow)[3]) {
+  constexpr float kInversePi = 0.318309886f;
+  for (Lanes& channel : shadow) channel = Lanes{};
+  if (f.shadow == nullptr) return;
+  load_rows(f.shadow, first, count, shadow);
+  for (Lanes& channel : shadow) channel *= kInversePi;
+}
+
 template <int Degree>
 void write_sixteen(const Foreground& f, const View& view, std::int64_t first, int count,
                    const SplatRows<float>& splats) {
   const Gaussian g = gaussian_at(f, view, first, count);
-  Lanes linear[3], features[kFeatures], stored_quaternion[4];
+  Lanes linear[3], features[kFeatures], stored_quaternion[4], shadow[3];
   load_rows(f.quaternions, first, count, stored_quaternion);
   shade<Degree>(g.surface, {f.light, f.table}, linear);
+  load_shadow(f, first, count, shadow);
+  for (int c = 0; c < 3; ++c) linear[c] += g.surface.albedo[c] * shadow[c];
   const Lanes not_finite = g.surface.roughness - g.surface.roughness;  // The table forgets NaN.
   for (int c = 0; c < 3; ++c) {
     features[kColour + c] = display_from_linear(linear[c] + not_finite);
@@ -110,7 +121,8 @@ void sixteen_backward(const Foreground& f, const View& view, const SplatRows<con
                       std::int64_t first, int count, const ForegroundGradient& result,
                       LightSums<Degree>& light_sums) {
   const Gaussian g = gaussian_at(f, view, first, count);
-  Lanes mean[3], scale[3], quaternion[4], features[kFeatures], linear[3], to_linear[3];
+  Lanes mean[3], scale[3], quaternion[4], features[kFeatures], linear[3], to_linear[3],
+      shadow[3];
   load_rows(gradient.means, first, count, mean);
   load_rows(gradient.scales, first, count, scale);
   load_rows(gradient.quaternions, first, count, quaternion);
@@ -119,12 +131,23 @@ void sixteen_backward(const Foreground& f, const View& view, const SplatRows<con
   const Lanes to_smallest = load_row(gradient.smallest, first, count);
 
   shade<Degree>(g.surface, {f.light, f.table}, linear);
+  load_shadow(f, first, count, shadow);
   for (int c = 0; c < 3; ++c) {
+    linear[c] += g.surface.albedo[c] * shadow[c];
     const Lanes incoming = only_existing(features[kColour + c], count);
     to_linear[c] = display_backward(linear[c], display_from_linear(linear[c]), incoming);
   }
   SurfaceGradient surface =
       shade_backward<Degree>(g.surface, {f.light, f.table}, to_linear, light_sums);
+  if (f.shadow != nullptr) {
+    constexpr float kInversePi = 0.318309886f;
+    Lanes to_shadow[3];
+    for (int c = 0; c < 3; ++c) {
+      to_shadow[c] = kInversePi * to_linear[c] * g.surface.albedo[c];
+      surface.albedo[c] += to_linear[c] * shadow[c];
+    }
+    store_rows(result.shadow, first, count, to_shadow);
+  }
   for (int i = 0; i < 3; ++i) {
     surface.normal[i] += features[kNormal + i];
     surface.albedo[i] *= sigmoid_slope(g.surface.albedo[i]);

@@ -11,7 +11,7 @@ namespace {
 
 using at::Tensor;
 
-enum ForegroundInput { kMeans, kLogScales, kQuaternions, kOpacity, kAlbedo, kRoughness };
+enum ForegroundInput { kMeans, kLogScales, kQuaternions, kOpacity, kAlbedo, kRoughness, kShadow };
 enum SkyInput { kAngles, kSkyLogScales, kSkyQuaternions, kSkyOpacity, kRadius, kCentre };
 
 const float* data(const Tensor& tensor) { return tensor.const_data_ptr<float>(); }
@@ -37,7 +37,8 @@ Foreground foreground_from(at::TensorList f, const Tensor& light,
                            const std::optional<Tensor>& table) {
   return {f[kMeans].size(0),  data(f[kMeans]),  data(f[kLogScales]), data(f[kQuaternions]),
           data(f[kOpacity]),  data(f[kAlbedo]), data(f[kRoughness]), data(light),
-          static_cast<int>(light.size(0)), data(table)};
+          static_cast<int>(light.size(0)), data(table),
+          f.size() > kShadow ? data(f[kShadow]) : nullptr};
 }
 
 Sky sky_from(at::TensorList s, const std::optional<Tensor>& sky_light) {
@@ -67,7 +68,7 @@ std::vector<Tensor> splats(at::TensorList foreground, at::TensorList sky, const 
   return result;
 }
 
-// Gradients of the foreground's six inputs, the sky's five, the light and the sky's light.
+// Gradients of the foreground's six or seven inputs, the sky's five, the light and the sky's light.
 std::vector<Tensor> splats_backward(at::TensorList gradients, at::TensorList foreground,
                                     at::TensorList sky, const Tensor& light,
                                     const std::optional<Tensor>& table,
@@ -89,9 +90,11 @@ std::vector<Tensor> splats_backward(at::TensorList gradients, at::TensorList for
   add(light);
   if (sky_light) add(*sky_light);
   const View view = view_from(cam_from_world);
-  foreground_backward(f, view, rows, {out[0], out[1], out[2], out[3], out[4], out[5], out[11]});
-  sky_backward(s, view, f.count, rows,
-               {out[6], out[7], out[8], out[9], out[10], sky_light ? out[12] : nullptr});
+  float* const* sky_out = &out[foreground.size()];
+  foreground_backward(f, view, rows, {out[0], out[1], out[2], out[3], out[4], out[5], sky_out[5],
+                                      foreground.size() > kShadow ? out[kShadow] : nullptr});
+  sky_backward(s, view, f.count, rows, {sky_out[0], sky_out[1], sky_out[2], sky_out[3], sky_out[4],
+                                        sky_light ? sky_out[6] : nullptr});
   return result;
 }
 

@@ -44,11 +44,13 @@ struct Foreground {
   const float* light;  // [light_count,3]
   int light_count;     // 9 or 25
   const float* table;  // [256,256,2]; null: no specular
+  const float* shadow; // [count,3] change of the irradiance by what is blocked; null: none
 };
 
 struct ForegroundGradient {
   float *means, *log_scales, *quaternions, *opacity_logits, *albedo_logits, *roughness_logits;
   float* light;
+  float* shadow;
 };
 
 struct Sky {

@@ -1,0 +1,74 @@
+"""Light per photo or per session: who shares what, and what a model file keeps."""
+
+from math import pi
+
+import pytest
+import torch
+
+from r3gw.gaussians.appearance import first_light
+from r3gw.gaussians.initial import InitialPoints
+from r3gw.gaussians.model import initial_model, load_model, save_model
+from r3gw.gaussians.sky import SkyDome, sample_dome
+from r3gw.lighting.irradiance import irradiance
+
+PHOTOS = ("a_1", "b_1", "a_2")
+SESSIONS = ("a", "b", "a")
+
+
+@pytest.fixture
+def make_model(settings):
+    """Build a model of three photos in two sessions."""
+
+    def make(share: bool):
+        generator = torch.Generator().manual_seed(0)
+        dome = SkyDome(torch.zeros(3), 9.0, (-1.5, 1.5))
+        points = InitialPoints(
+            torch.randn(20, 3, generator=generator), dome, sample_dome(dome, 10, generator)
+        )
+        kind = settings.model.model_copy(update={"share_session_light": share})
+        return initial_model(points, PHOTOS, settings.model_copy(update={"model": kind}), SESSIONS)
+
+    return make
+
+
+def test_photos_of_a_session_share_light_up_to_exposure(make_model):
+    """Equal at first; an exposure scales one photo's light and leaves its sky colour alone."""
+    appearance = make_model(True).appearance
+    assert appearance.embedding.shape[0] == 2
+    with torch.no_grad():
+        appearance.log_exposure[2] = torch.log(torch.tensor(1.5))
+        (first, sky), (other, _), (third, third_sky) = (appearance(i) for i in range(3))
+    torch.testing.assert_close(third, 1.5 * first, rtol=1e-6, atol=0)
+    torch.testing.assert_close(third_sky, sky, rtol=0, atol=0)
+    assert float((other - first).abs().max()) > 1e-4
+
+
+@torch.no_grad()
+def test_by_default_every_photo_has_its_own_light(make_model):
+    appearance = make_model(False).appearance
+    assert appearance.embedding.shape[0] == 3
+    assert appearance.log_exposure is None
+    assert float((appearance(0)[0] - appearance(2)[0]).abs().max()) > 1e-4
+
+
+def test_model_file_keeps_sessions(make_model, tmp_path):
+    model = make_model(True)
+    with torch.no_grad():
+        model.appearance.log_exposure[2] = 0.3
+    save_model(model, tmp_path / "model.pt")
+    again = load_model(tmp_path / "model.pt")
+    assert again.sessions == SESSIONS
+    for i in range(3):
+        torch.testing.assert_close(again.appearance(i), model.appearance(i), rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("below", [1.0, 0.2, 0.0])
+def test_first_light_is_an_even_sky_over_even_ground(settings, below):
+    """What faces the sky gets pi times its radiance, what faces the ground the ground's."""
+    init = settings.init.model_copy(update={"light_radiance": 0.6, "light_below": below})
+    light = first_light(init, 4)[:, None].expand(-1, 3)
+    normals = torch.tensor([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])
+    sky = 2 * 0.6 / (1 + below)
+    expected = pi * torch.tensor([sky, max(below * sky, 1e-4 / pi), 0.6])
+    received = irradiance(light, normals)
+    torch.testing.assert_close(received, expected[:, None].expand(-1, 3), rtol=1e-5, atol=1e-4)
