@@ -43,6 +43,7 @@ def two() -> Relightable:
         {"p": (torch.arange(75.0).reshape(25, 3) / 7, torch.full((4, 3), 1 / 3))},
         4,
         True,
+        torch.arange(25.0)[None] / 64,
     )
 
 
@@ -83,7 +84,9 @@ def test_standard_file_by_hand(tmp_path):
 def test_relightable_file_adds_properties_at_the_end(tmp_path):
     write_ply(tmp_path / "a.ply", two(), baked(), HERE, relightable=True)
     _, columns = by_hand(tmp_path / "a.ply")
-    assert list(columns) == [*STANDARD, "albedo_0", "albedo_1", "albedo_2", "roughness", "is_sky"]
+    own = ["albedo_0", "albedo_1", "albedo_2", "roughness", "is_sky"]
+    assert list(columns) == [*STANDARD, *own, *(f"occlusion_{i}" for i in range(25))]
+    assert columns["occlusion_24"].tolist() == [0.375, 0.0]
     assert columns["albedo_1"].tolist() == [np.float32(0.2), 0.0]
     assert columns["roughness"].tolist() == [np.float32(0.7), 0.0]
     assert columns["is_sky"].tolist() == [0, 1]
@@ -92,7 +95,9 @@ def test_relightable_file_adds_properties_at_the_end(tmp_path):
 def assert_equal(found: Relightable, expected: Relightable, **tolerance) -> None:
     for field in fields(Relightable):
         ours, theirs = getattr(found, field.name), getattr(expected, field.name)
-        if field.name == "lights":
+        if theirs is None:
+            assert ours is None
+        elif field.name == "lights":
             assert list(ours) == list(theirs)
             for photo in theirs:
                 for a, b in zip(ours[photo], theirs[photo], strict=True):
@@ -125,6 +130,9 @@ def test_source_coordinates_and_back(tmp_path):
     torch.testing.assert_close(
         sh.radiance(turned, looks @ rotation.T), sh.radiance(light, looks), rtol=1e-4, atol=1e-4
     )
+    # What a light loses to shadows does not depend on the coordinates.
+    for splats, shone in ((two(), light), (there, turned)):
+        torch.testing.assert_close(splats.occlusion @ shone, two().occlusion @ light)
     placement = Placement("source", SOURCE_FROM_SCENE.inverse())
     write_ply(tmp_path / "a.ply", there, baked(), placement, relightable=True)
     write_lights(there.lights, "source", tmp_path)

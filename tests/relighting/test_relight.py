@@ -1,5 +1,7 @@
 """r3gw.relighting: against the training's renderer and photos; films; what is refused."""
 
+from copy import deepcopy
+
 import cv2
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import torch
 from r3gw.evaluation.lights import photo_light
 from r3gw.files import InputError
 from r3gw.gaussians.compose import render
+from r3gw.gaussians.rows import OCCLUSION
 from r3gw.geometry.cameras import pixel_rays
 from r3gw.imaging.files import read_linear, read_rgb, write_exr
 from r3gw.lighting import sh
@@ -37,11 +40,16 @@ def uncovered(tiny, view: str) -> np.ndarray:
 
 
 @torch.no_grad()
-def test_frame_is_the_trainings_rendering_before_its_sky(tiny):
-    light, sky_light = photo_light(tiny.model, "a_0")
+@pytest.mark.parametrize("with_shadows", [False, True])
+def test_frame_is_the_trainings_rendering_before_its_sky(tiny, with_shadows):
+    model = deepcopy(tiny.model)
+    if with_shadows:
+        transfer = 0.2 * torch.randn(len(model.foreground), 25)
+        model.foreground.add_computed(OCCLUSION, transfer)
+    light, sky_light = photo_light(model, "a_0")
     camera = tiny.view("b_exact").camera
-    trained = render(tiny.model, camera, light, sky_light)
-    shown = frame(relightable_of(tiny.model), camera, Illumination(light, sky_light), standard)
+    trained = render(model, camera, light, sky_light)
+    shown = frame(relightable_of(model), camera, Illumination(light, sky_light), standard)
     looks = torch.nn.functional.normalize(pixel_rays(camera), dim=-1)  # the camera is not turned
     behind = (sh.radiance(sky_light, looks) + 0.5).clamp(0.0, 1.0)
     expected = trained.colour + (1 - trained.alpha[..., None]) * behind

@@ -13,12 +13,12 @@ from r3gw.lighting import sh
 
 
 def rotate(
-    coefficients: Float[Tensor, "coeff 3"], rotation: Float[Tensor, "3 3"]
-) -> Float[Tensor, "coeff 3"]:
+    coefficients: Float[Tensor, "coeff c"], rotation: Float[Tensor, "3 3"]
+) -> Float[Tensor, "coeff c"]:
     """Turn a light: the result shines from ``rotation @ d`` what the input shone from ``d``.
 
     Args:
-        coefficients: Light of any supported degree.
+        coefficients: Light of any supported degree, or any functions of direction, one a column.
         rotation: Right-handed rotation matrix.
     """
     degree = int(coefficients.shape[0] ** 0.5) - 1

@@ -16,6 +16,7 @@ from r3gw.relightable.scene import Relightable
 def moved(splats: Relightable, target_from_source: Similarity) -> Relightable:
     """The same scene and its lights in the coordinates of a similarity's target."""
     rotation = target_from_source.rotation
+    occlusion = splats.occlusion
     return replace(
         splats,
         means=target_from_source.points(splats.means),
@@ -25,6 +26,7 @@ def moved(splats: Relightable, target_from_source: Similarity) -> Relightable:
             photo: (rotate(light, rotation), rotate(sky, rotation))
             for photo, (light, sky) in splats.lights.items()
         },
+        occlusion=None if occlusion is None else rotate(occlusion.T, rotation).T,
     )
 
 

@@ -34,6 +34,7 @@ ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")
 STANDARD = (*POSITION, *NORMAL, *COLOUR, "opacity", *SCALE, *ROTATION)
 ALBEDO = ("albedo_0", "albedo_1", "albedo_2")
 RELIGHTABLE = (*ALBEDO, "roughness", "is_sky")  # is_sky is an unsigned byte
+OCCLUSION = "occlusion_"  # and a number: SH transfer, where the scene models shadows
 
 COMMENT = "r3gw "
 Coordinates = Literal["scene", "source"]
@@ -72,7 +73,9 @@ def write_ply(
         placement: Recorded in the header's comments.
         relightable: Whether to add albedo, roughness and is_sky.
     """
-    names = STANDARD + (RELIGHTABLE if relightable else ())
+    shadows = splats.occlusion if relightable else None
+    transfer = () if shadows is None else _occlusion_names(shadows.shape[1])
+    names = STANDARD + (RELIGHTABLE if relightable else ()) + transfer
     rows = np.empty(len(splats.means), [(n, "u1" if n == "is_sky" else "<f4") for n in names])
     _fill(rows, POSITION, splats.means)
     _fill(rows, NORMAL, baked.normals)
@@ -85,6 +88,8 @@ def write_ply(
         _fill(rows, ALBEDO, torch.nn.functional.pad(splats.albedo, padding))
         _fill(rows, ("roughness",), torch.nn.functional.pad(splats.roughness[:, None], padding))
         rows["is_sky"] = np.arange(len(rows)) >= splats.num_foreground
+        if shadows is not None:
+            _fill(rows, transfer, torch.nn.functional.pad(shadows, padding))
     facts = {
         "coordinates": placement.coordinates,
         "scene_from_source": Gauge.of(placement.scene_from_source).model_dump(mode="json"),
@@ -114,6 +119,7 @@ def read_ply(path: Path) -> Relightable:
     if bool((is_sky[1:] < is_sky[:-1]).any()):
         raise InputError(f"{path}: the sky's Gaussians must come last; do not reorder the file")
     count = int((~is_sky).sum())
+    transfer = _occlusion_names(sum(n.startswith(OCCLUSION) for n in rows.dtype.names or ()))
     splats = Relightable(
         _columns(rows, POSITION),
         _columns(rows, ROTATION),
@@ -124,11 +130,16 @@ def read_ply(path: Path) -> Relightable:
         read_lights(path.parent),
         int(facts["light_degree"]),
         bool(facts["with_specular"]),
+        _columns(rows, transfer)[:count] if transfer else None,
     )
     if facts["coordinates"] == "scene":
         return splats
     gauge = validated(Gauge, facts["scene_from_source"], f"{path}: scene_from_source")
     return moved(splats, gauge.similarity)
+
+
+def _occlusion_names(count: int) -> tuple[str, ...]:
+    return tuple(f"{OCCLUSION}{i}" for i in range(count))
 
 
 def _fill(rows: NDArray[Any], names: tuple[str, ...], values: Float[Tensor, "n c"]) -> None:

@@ -13,6 +13,7 @@ from r3gw.evaluation.lights import photo_light
 from r3gw.files import InputError
 from r3gw.gaussians.model import SceneModel
 from r3gw.gaussians.reference import shortest_axes
+from r3gw.gaussians.rows import OCCLUSION
 
 Light = Float[Tensor, "coeff 3"]
 SkyLight = Float[Tensor, "skycoeff 3"]
@@ -32,6 +33,8 @@ class Relightable:
         lights: Per training photo its SH light and its sky coefficients.
         light_degree: SH degree of lights.
         with_specular: Whether the scene reflects.
+        occlusion: What shadows take from the irradiance of each foreground Gaussian, as SH
+            transfer; None where the scene models none (r3gw.gaussians.occlusion).
     """
 
     means: Float[Tensor, "n 3"]
@@ -43,6 +46,7 @@ class Relightable:
     lights: Mapping[str, tuple[Light, SkyLight]]
     light_degree: int
     with_specular: bool
+    occlusion: Float[Tensor, "f transfer"] | None = None
 
     @property
     def num_foreground(self) -> int:
@@ -100,4 +104,5 @@ def relightable_of(model: SceneModel) -> Relightable:
         {photo: photo_light(model, photo) for photo in model.photos},
         model.settings.model.light_degree,
         model.settings.model.specular,
+        foreground.values.get(OCCLUSION),
     )

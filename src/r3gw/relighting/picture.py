@@ -99,6 +99,8 @@ def foreground_values(
         light,
         with_specular=splats.with_specular,
     )
+    if splats.occlusion is not None:
+        linear = linear + splats.albedo / pi * (splats.occlusion[:, : len(light)] @ light)
     return curve(linear)
 
 
