@@ -7,6 +7,7 @@ whole iteration are medians without profiler; the parts' shares come from torch'
     python benchmarks/training_step.py [--threads 1 --threads 2]
 """
 
+import gc
 import os
 import statistics
 import time
@@ -40,7 +41,7 @@ PARTS = {
     "splats": ("splats", "splats_backward"),
     "picture_losses": ("picture_losses",),
 }
-WARM_UP, COUNTED = 5, 40
+WARM_UP, ROUNDS, COUNTED = 5, 8, 8
 
 
 @dataclass(frozen=True)
@@ -112,15 +113,20 @@ def measure(workload: Workload, threads: int) -> dict[str, str | int | float]:
     state = first_state(workload.model)
     for _ in range(WARM_UP):
         step(state, workload.photos)
-    times = []
-    for _ in range(COUNTED):
-        start = time.perf_counter()
-        step(state, workload.photos)
-        times.append(1e3 * (time.perf_counter() - start))
-    with profile(activities=[ProfilerActivity.CPU]) as profiler:
+    times: list[float] = []
+    own_ms: dict[str, float] = {}
+    # In turn, because the machine's speed drifts: the parts belong to the iterations around them.
+    for _ in range(ROUNDS):
         for _ in range(COUNTED):
+            start = time.perf_counter()
             step(state, workload.photos)
-    own_ms = {e.key: e.self_cpu_time_total / 1e3 / COUNTED for e in profiler.key_averages()}
+            times.append(1e3 * (time.perf_counter() - start))
+        with profile(activities=[ProfilerActivity.CPU]) as profiler:
+            for _ in range(COUNTED):
+                step(state, workload.photos)
+        for event in profiler.key_averages():
+            spent = event.self_cpu_time_total / 1e3 / COUNTED / ROUNDS
+            own_ms[event.key] = own_ms.get(event.key, 0.0) + spent
     total = statistics.median(times)
     row: dict[str, str | int | float] = {
         "workload": workload.name,
@@ -147,7 +153,8 @@ def measure(workload: Workload, threads: int) -> dict[str, str | int | float]:
 @click.option("--threads", type=int, multiple=True, default=(1, 2), show_default=True)
 def main(threads: tuple[int, ...]) -> None:
     """Print where the time of one training iteration goes."""
-    torch.ops.r3gw.keep_freed_memory()  # as a training does
+    torch.ops.r3gw.keep_freed_memory()  # this and the next as a training does
+    gc.freeze()
     rows = []
     for count in threads:
         for workload in (slab(20_000, 320, 240), slab(100_000, 640, 480), *trained()):

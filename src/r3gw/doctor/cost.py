@@ -33,17 +33,16 @@ class Measured:
     bytes_per_photo_pixel: int = 5
 
 
-# Chapel, 240 x 180 px, 15,000 Gaussians, one core: 45 ms per iteration and 562 MB. How both divide
-# was measured on trainings of the chapel with 0.25 to 4 times the pixels and 0.3 to 3 times the
-# Gaussians, by CPU time and peak resident memory.
+# Chapel, 240 x 180 px, 15,000 Gaussians, one core, two trainings at a time: 27 ms per iteration and
+# 462 MB. How time and memory divide: benchmarks/scaling.py and training_step.py.
 MEASURED = Measured(
-    ms_per_iteration=45.0,
+    ms_per_iteration=27.0,
     gaussians=15_000,
     pixels=240 * 180,
-    fixed_share=0.43,
-    pixel_share=0.29,
-    base_mb=505.0,
-    kb_per_gaussian=1.0,
+    fixed_share=0.25,
+    pixel_share=0.30,
+    base_mb=405.0,
+    kb_per_gaussian=0.7,
     kb_per_pixel=1.0,
 )
 

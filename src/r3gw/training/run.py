@@ -1,5 +1,6 @@
 """The training stage: files in, ``model.pt``, ``history.csv`` and ``run.json`` out."""
 
+import gc
 from pathlib import Path
 
 import torch
@@ -50,6 +51,8 @@ def run_training(
     sessions = tuple(view.session or view.name for view in imported.split("train"))
     start = initial_model(load_initial(initial_path), names, settings, sessions)
     checkpoints = Checkpoints(target, start)
+    # What is loaded by now stays: the collector need not walk it during every iteration.
+    gc.freeze()
     model, history = train(start, photos, checkpoints)
     save_model(model, target / "model.pt")
     history.write(target / "history.csv")
