@@ -91,7 +91,7 @@ class NerfOsr(ViewProtocol):
         return _swept(bench, view, view.evaluation, angles_rad)
 
 
-class FullYaw(ViewProtocol):
+class FullYaw(NerfOsr):
     """`NerfOsr` with the whole circle to choose from, in steps of 7.5 degrees.
 
     What the published range of angles, itself prior knowledge, is worth. The same oracle chooses.
@@ -100,10 +100,6 @@ class FullYaw(ViewProtocol):
     name = "full-yaw"
     version = 1
     is_oracle = True
-
-    def covers(self, view: View) -> bool:
-        """Test views that come with an environment map."""
-        return view.split == "test" and view.evaluation is not None
 
     def evaluate(self, bench: Bench, view: View) -> Outcome:
         """Sweep the sun around the circle, keep the best angle."""

@@ -10,6 +10,7 @@ namespace r3gw {
 namespace {
 
 constexpr std::int64_t kRowsPerPart = 1024;
+constexpr float kInversePi = 0.318309886f;
 
 // What both passes need of sixteen Gaussians.
 struct Gaussian {
@@ -68,7 +69,6 @@ Gaussian gaussian_at(const Foreground& f, const View& view, std::int64_t first, 
 
 // Irradiance, over pi, that shadows take from sixteen Gaussians; 0 where none are modelled.
 void load_shadow(const Foreground& f, std::int64_t first, int count, Lanes (&shadow)[3]) {
-  constexpr float kInversePi = 0.318309886f;
   for (Lanes& channel : shadow) channel = Lanes{};
   if (f.shadow == nullptr) return;
   load_rows(f.shadow, first, count, shadow);
@@ -140,7 +140,6 @@ void sixteen_backward(const Foreground& f, const View& view, const SplatRows<con
   SurfaceGradient surface =
       shade_backward<Degree>(g.surface, {f.light, f.table}, to_linear, light_sums);
   if (f.shadow != nullptr) {
-    constexpr float kInversePi = 0.318309886f;
     Lanes to_shadow[3];
     for (int c = 0; c < 3; ++c) {
       to_shadow[c] = kInversePi * to_linear[c] * g.surface.albedo[c];

@@ -134,8 +134,12 @@ std::tuple<std::vector<double>, Tensor, Tensor> picture_losses(
     std::fill_n(out_alpha, pixels, 0.0f);
   }
 
-  losses[kSeparation] =
-      separation(size, masks, in, scale(kSeparation, per_value), out) * per_value;
+  if (weights[kSeparation] != 0.0) {
+    losses[kSeparation] =
+        separation(size, masks, in, scale(kSeparation, per_value), out) * per_value;
+  } else {
+    std::fill_n(out + kForeground * pixels, (kPlanes - kForeground) * pixels, 0.0f);
+  }
   return {losses, gradient, to_alpha};
 }
 
