@@ -1,13 +1,18 @@
-"""A copy of the workflow that tests may edit, and a configuration small enough to run it with."""
+"""Runs the real workflow on tiny scenes, in a copy that tests may edit."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import yaml
+
+Jobs = set[tuple[str, str | None]]  # rule and scene
 
 CONFIG: dict[str, Any] = {
     "scenes": {
@@ -32,6 +37,10 @@ CONFIG: dict[str, Any] = {
 }
 
 
+# A second scene, for what must not pass from one to the other.
+TWO = CONFIG | {"scenes": CONFIG["scenes"] | {"twin": CONFIG["scenes"]["tiny"] | {"seed": 1}}}
+
+
 def checkout(repository: Path, folder: Path) -> Path:
     """Copy what the workflow is made of, so that tests may edit it."""
     for name in ("workflow", "config", "src"):
@@ -54,10 +63,40 @@ def snakemake(
     )  # fmt: skip
 
 
-def planned(folder: Path, target: str, config: dict[str, Any] = CONFIG) -> set[str]:
-    """Names of the rules that a dry run would execute."""
+def started(log: str) -> list[tuple[str, str | None]]:
+    """Rule and scene of every job, in the order in which a log names them."""
+    jobs: list[tuple[str, str | None]] = []
+    for line in log.splitlines():
+        if found := re.match(r"(?:local)?rule (\w+):", line):
+            jobs.append((found[1], None))
+        elif found := re.match(r" +wildcards:.*scene=(\w+)", line):
+            jobs[-1] = (jobs[-1][0], found[1])
+    return jobs
+
+
+def planned_jobs(folder: Path, target: str, config: dict[str, Any] = CONFIG) -> Jobs:
+    """Rules that a dry run would execute, with their scenes."""
     done = snakemake(folder, "--dry-run", target, config=config)
     assert done.returncode == 0, done.stderr
-    lines = (done.stdout + done.stderr).splitlines()
-    rules = (line.split() for line in lines if line.startswith(("rule ", "localrule ")))
-    return {words[1].rstrip(":") for words in rules}
+    return set(started(done.stdout + done.stderr))
+
+
+def planned(folder: Path, target: str, config: dict[str, Any] = CONFIG) -> set[str]:
+    """Names of the rules that a dry run would execute."""
+    return {rule for rule, _ in planned_jobs(folder, target, config)}
+
+
+def scenes_of(rule: str, jobs: Jobs) -> set[str | None]:
+    """Scenes for which jobs hold a rule."""
+    return {scene for name, scene in jobs if name == rule}
+
+
+@contextmanager
+def edited(path: Path) -> Iterator[None]:
+    """Append an empty line to a source file for a while."""
+    before = path.read_text()
+    path.write_text(before + "# edited\n")
+    try:
+        yield
+    finally:
+        path.write_text(before)

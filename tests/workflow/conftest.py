@@ -1,9 +1,9 @@
-"""Copies of the workflow: one in which `all` has run, shared, and fresh ones."""
+"""Copies of the workflow: one that has run, one in which nothing has."""
 
 from pathlib import Path
 
 import pytest
-from tiny_workflow import checkout, snakemake
+from tiny_workflow import TWO, checkout, snakemake, started
 
 
 @pytest.fixture(scope="session")
@@ -13,7 +13,17 @@ def finished(repository, tmp_path_factory) -> Path:
     done = snakemake(folder, "all")
     logs = "".join(path.read_text() for path in (folder / "logs").rglob("*.log"))
     assert done.returncode == 0, done.stderr + logs
+    (folder / "all.log").write_text(done.stderr)
     return folder
+
+
+@pytest.fixture(scope="session")
+def with_twin(finished) -> Path:
+    """The same copy, in which a second scene waits for its training."""
+    done = snakemake(finished, "results/twin/full/seed0/checked.json", config=TWO)
+    assert done.returncode == 0, done.stderr
+    assert "tiny" not in {scene for _, scene in started(done.stderr)}
+    return finished
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@ import json
 import re
 import sys
 from pathlib import Path
+from subprocess import CalledProcessError
 
 from r3gw.files import InputError
 from r3gw.layers import LAYERS
@@ -26,11 +27,14 @@ if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
     from r3gw.sfm.completeness import require_complete
 
-    try:
-        for name in GIVEN:
+    incomplete = []
+    for name in GIVEN:
+        try:
             require_complete(name, CONFIG.scenes[name], Path(CONFIG.scenes[name].path))
-    except InputError as error:
-        raise WorkflowError(str(error))
+        except InputError as error:
+            incomplete.append(str(error))
+    if incomplete:
+        raise WorkflowError("\n".join(incomplete))
 
 # Rules call the interpreter that runs Snakemake, whether its environment is active or not.
 shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PATH; ")
@@ -67,6 +71,31 @@ def config_json():
 def entry_json(wildcards):
     """The config entry of a scene, as JSON."""
     return CONFIG.scenes[wildcards.scene].model_dump_json()
+
+
+def entries_json(names):
+    """The config entries of scenes by name, as JSON."""
+    return json.dumps(
+        {name: CONFIG.scenes[name].model_dump(mode="json") for name in names}
+    )
+
+
+def entry_by_name_json(wildcards):
+    """The config entry of one scene under its name, as JSON."""
+    return entries_json([wildcards.scene])
+
+
+def refuse_broken_sources():
+    """Stop before the first job, `keep-going` or not, if any scene's source would fail."""
+    try:
+        shell(
+            "python -m r3gw doctor-sources --entries {entries:q}",
+            entries=entries_json(SCENES),
+        )
+    except CalledProcessError:
+        raise WorkflowError(
+            "The doctor refuses the sources named above; no job was started."
+        )
 
 
 def scene_source(wildcards):

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import torch
 from jaxtyping import Bool, Float, UInt8
 from torch import Tensor
@@ -11,7 +12,7 @@ from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_rgb
 from r3gw.masks import load_masks
-from r3gw.scene import Scene
+from r3gw.scene import Scene, View
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,22 @@ class Photo:
         return self.planes.permute(1, 2, 0).float() / 255.0
 
 
+def read_photo(view: View, scene_folder: Path) -> UInt8[np.ndarray, "h w 3"]:
+    """Read the photo of a view, display values.
+
+    Raises:
+        InputError: If the file is missing, unreadable or of the wrong size.
+    """
+    path = scene_folder / view.image
+    pixels = read_rgb(path)
+    if pixels.shape[:2] != (view.height, view.width):
+        raise InputError(
+            f"{path}: {pixels.shape[1]}x{pixels.shape[0]} px, but scene.json says "
+            f"{view.width}x{view.height} px; import the scene again"
+        )
+    return pixels
+
+
 def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Photo]:
     """Read all training photos of a scene and their masks.
 
@@ -45,13 +62,7 @@ def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Ph
     """
     photos = []
     for view in scene.split("train"):
-        path = scene_folder / view.image
-        pixels = read_rgb(path)
-        if pixels.shape[:2] != (view.height, view.width):
-            raise InputError(
-                f"{path}: {pixels.shape[1]}x{pixels.shape[0]} px, but scene.json says "
-                f"{view.width}x{view.height} px; import the scene again"
-            )
+        pixels = read_photo(view, scene_folder)
         is_valid, is_sky = load_masks(masks_folder, view)
         photos.append(
             Photo(
