@@ -1,12 +1,28 @@
-"""Losses whose kernels make value and gradient in one sweep, as tensors of torch's graph."""
+"""Losses whose kernels make value and gradient in one sweep, as one node of torch's graph."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 from torch.autograd.function import once_differentiable
+
+
+@dataclass(frozen=True)
+class KnownLoss:
+    """A loss with its gradient, both times the loss's weight.
+
+    Attributes:
+        value: The weighted loss.
+        inputs: What it depends on.
+        gradients: Of the weighted loss by each input.
+    """
+
+    value: float
+    inputs: tuple[Tensor, ...]
+    gradients: tuple[Tensor, ...]
 
 
 class _KnownGradient(torch.autograd.Function):
@@ -18,17 +34,18 @@ class _KnownGradient(torch.autograd.Function):
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, grad: Tensor) -> tuple[Tensor | None, ...]:
-        # A loss that is a plain term of a sum has gradient 1: nothing to multiply.
+        # A loss that is not multiplied any more has gradient 1: nothing to multiply.
         factor = float(grad)
         scaled = [g if factor == 1.0 else factor * g for g in ctx.saved_tensors]
         return (None, None, *scaled)
 
 
-def known_gradient(
-    value: float, gradients: Sequence[Tensor], inputs: Sequence[Tensor]
-) -> Float[Tensor, ""]:
-    """A scalar ``value`` whose gradient by ``inputs`` is ``gradients``, tensor by tensor."""
-    loss: Tensor = _KnownGradient.apply(  # type: ignore[no-untyped-call]
+def sum_of(losses: Sequence[KnownLoss]) -> Float[Tensor, ""]:
+    """The losses' sum as a scalar that carries their gradients."""
+    value = sum(loss.value for loss in losses)
+    gradients = [gradient for loss in losses for gradient in loss.gradients]
+    inputs = [tensor for loss in losses for tensor in loss.inputs]
+    total: Tensor = _KnownGradient.apply(  # type: ignore[no-untyped-call]
         value, gradients, *inputs
     )
-    return loss
+    return total
