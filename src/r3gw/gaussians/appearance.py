@@ -2,12 +2,10 @@
 
 from collections.abc import Sequence
 from math import isqrt, pi, sqrt
-from typing import Any
 
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
-from torch.autograd.function import once_differentiable
 
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.gaussians.sky import SKY_DEGREE
@@ -100,12 +98,13 @@ class Appearance(nn.Module):
         layers, dropout, factors = self._linear_layers, self._dropout, None
         if self.training and dropout.p > 0:
             factors = dropout(torch.ones_like(layers[0].bias))
-        light, sky = _Layers.apply(  # type: ignore[no-untyped-call]
+        light: Tensor
+        light, sky = torch.ops.r3gw.appearance(
             self.embedding,
             self.rows[photo],
             factors,
-            *(layer.weight for layer in layers),
-            *(layer.bias for layer in layers),
+            [layer.weight for layer in layers],
+            [layer.bias for layer in layers],
         )
         if self.log_exposure is not None:
             light = light * self.log_exposure[photo].exp()
@@ -116,29 +115,3 @@ class Appearance(nn.Module):
     ) -> Float[Tensor, "coeff 3"]:
         """Add the training noise to light coefficients."""
         return light + self.light_noise * torch.randn(light.shape, generator=generator)
-
-
-class _Layers(torch.autograd.Function):
-    """The modules' layers, in the order of their definition, as one kernel for one photo."""
-
-    @staticmethod
-    def forward(
-        ctx: Any, embedding: Tensor, row: int, dropout: Tensor | None, *layers: Tensor
-    ) -> tuple[Tensor, Tensor]:
-        weights, biases = layers[: len(layers) // 2], layers[len(layers) // 2 :]
-        light, sky, hidden = torch.ops.r3gw.appearance(embedding[row], dropout, weights, biases)
-        ctx.row, ctx.dropout, ctx.layers = row, dropout, len(weights)
-        ctx.save_for_backward(embedding, *weights, *hidden)
-        return light.view(-1, 3), sky.view(-1, 3)
-
-    @staticmethod
-    @once_differentiable
-    def backward(ctx: Any, to_light: Tensor, to_sky: Tensor) -> tuple[Tensor | None, ...]:
-        embedding, *saved = ctx.saved_tensors
-        to_row, *to_layers = torch.ops.r3gw.appearance_backward(
-            *(to_light.reshape(-1), to_sky.reshape(-1), embedding[ctx.row], ctx.dropout),
-            *(saved[: ctx.layers], saved[ctx.layers :]),
-        )
-        to_embedding = torch.zeros_like(embedding)
-        to_embedding[ctx.row] = to_row
-        return (to_embedding, None, None, *to_layers)

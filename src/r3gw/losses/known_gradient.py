@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
-from torch.autograd.function import once_differentiable
+
+import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 
 
 @dataclass(frozen=True)
@@ -25,27 +25,10 @@ class KnownLoss:
     gradients: tuple[Tensor, ...]
 
 
-class _KnownGradient(torch.autograd.Function):
-    @staticmethod
-    def forward(ctx: Any, value: float, gradients: Sequence[Tensor], *inputs: Tensor) -> Tensor:
-        ctx.save_for_backward(*gradients)
-        return inputs[0].new_tensor(value)
-
-    @staticmethod
-    @once_differentiable
-    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor | None, ...]:
-        # A loss that is not multiplied any more has gradient 1: nothing to multiply.
-        factor = float(grad)
-        scaled = [g if factor == 1.0 else factor * g for g in ctx.saved_tensors]
-        return (None, None, *scaled)
-
-
 def sum_of(losses: Sequence[KnownLoss]) -> Float[Tensor, ""]:
     """The losses' sum as a scalar that carries their gradients."""
     value = sum(loss.value for loss in losses)
     gradients = [gradient for loss in losses for gradient in loss.gradients]
     inputs = [tensor for loss in losses for tensor in loss.inputs]
-    total: Tensor = _KnownGradient.apply(  # type: ignore[no-untyped-call]
-        value, gradients, *inputs
-    )
+    total: Tensor = torch.ops.r3gw.known_gradient(value, gradients, inputs)
     return total

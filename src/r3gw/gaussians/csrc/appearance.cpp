@@ -1,7 +1,8 @@
-// The appearance MLP for one photo, forward and backward; r3gw.gaussians.appearance says what it
-// computes. With a batch of one every layer is a product of matrix and vector, and its gradient an
+// Registers torch.ops.r3gw.appearance, which torch differentiates: the appearance MLP for one photo.
+// r3gw.gaussians.appearance says what it computes. With a batch of one every layer is a product of matrix and vector, and its gradient an
 // outer product: what they cost is the way of the weights through memory.
 #include <ATen/ATen.h>
+#include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
 
 #include <tuple>
@@ -13,6 +14,7 @@ namespace r3gw {
 namespace {
 
 using at::Tensor;
+using torch::autograd::variable_list;
 
 // Layers in this order; each of the first three feeds the next, the third both heads.
 enum Layer { kFirst, kSecond, kThird, kSky, kLightFirst, kLightLast, kLayers };
@@ -55,12 +57,9 @@ Tensor linear(const Tensor& weight, const Tensor& bias, const Tensor& input) {
   return output;
 }
 
-// Gradients of weight, bias and input by that of the output; the input's is added to `to_input`.
-struct LinearGradient {
-  Tensor weight, bias;
-};
-LinearGradient linear_backward(const Tensor& weight, const Tensor& input, const Tensor& gradient,
-                               const Tensor& to_input) {
+// Gradient of the weight by that of the output; the input's is added to `to_input`.
+Tensor linear_backward(const Tensor& weight, const Tensor& input, const Tensor& gradient,
+                       const Tensor& to_input) {
   const std::int64_t rows = weight.size(0), columns = weight.size(1);
   Tensor to_weight = at::empty_like(weight);
   const float* in = data(input);
@@ -80,7 +79,7 @@ LinearGradient linear_backward(const Tensor& weight, const Tensor& input, const 
           pull[i] += g * w[i];
         });
   }
-  return {to_weight, gradient};
+  return to_weight;
 }
 
 void clamp_negative(const Tensor& values) {
@@ -101,61 +100,100 @@ void multiply(const Tensor& values, const std::optional<Tensor>& factors) {
   for (std::int64_t i = 0; i < values.numel(); ++i) data(values)[i] *= data(*factors)[i];
 }
 
-// Light and sky coefficients, and the outputs of the hidden layers. `dropout`: factors on the first
-// layer's output, 0 where it is dropped.
-std::tuple<Tensor, Tensor, std::vector<Tensor>> appearance(
-    const Tensor& embedding, const std::optional<Tensor>& dropout, at::TensorList weights,
-    at::TensorList biases) {
+// The arguments of both passes. `dropout`: factors on the first layer's output, 0 where it is
+// dropped.
+struct Network {
+  Tensor embedding;  // Of the photo.
+  std::optional<Tensor> dropout;
+  at::TensorList weights, biases;
+};
+
+// Light and sky coefficients, then the outputs of the hidden layers.
+variable_list outputs_of(const Network& net) {
   const auto hidden = [&](Layer layer, const Tensor& input) {
-    Tensor output = linear(weights[layer], biases[layer], input);
+    Tensor output = linear(net.weights[layer], net.biases[layer], input);
     clamp_negative(output);
     return output;
   };
-  const Tensor first = hidden(kFirst, embedding);
-  multiply(first, dropout);
+  const Tensor first = hidden(kFirst, net.embedding);
+  multiply(first, net.dropout);
   const Tensor second = hidden(kSecond, first), features = hidden(kThird, second);
   const Tensor light_hidden = hidden(kLightFirst, features);
-  return {linear(weights[kLightLast], biases[kLightLast], light_hidden),
-          linear(weights[kSky], biases[kSky], features),
-          {first, second, features, light_hidden}};
+  const Tensor light = linear(net.weights[kLightLast], net.biases[kLightLast], light_hidden);
+  const Tensor sky = linear(net.weights[kSky], net.biases[kSky], features);
+  return {light, sky, first, second, features, light_hidden};
 }
 
 // Gradients of the embedding, of every layer's weight, of every layer's bias.
-std::vector<Tensor> appearance_backward(const Tensor& to_light, const Tensor& to_sky,
-                                        const Tensor& embedding,
-                                        const std::optional<Tensor>& dropout,
-                                        at::TensorList weights, at::TensorList hidden) {
-  std::vector<Tensor> result(1 + 2 * kLayers);
+variable_list gradients_of(const Network& net, at::TensorList hidden, const Tensor& to_light,
+                           const Tensor& to_sky) {
+  variable_list result(1 + 2 * kLayers);
   const auto back = [&](Layer layer, const Tensor& input, const Tensor& gradient,
                         const Tensor& to_input) {
-    const LinearGradient found = linear_backward(weights[layer], input, gradient, to_input);
-    result[1 + layer] = found.weight;
-    result[1 + kLayers + layer] = found.bias;
+    result[1 + layer] = linear_backward(net.weights[layer], input, gradient, to_input);
+    result[1 + kLayers + layer] = gradient;
   };
-  const Tensor to_light_hidden = at::zeros_like(hidden[kLightHidden]);
-  const Tensor to_features = at::zeros_like(hidden[kFeatures]);
-  const Tensor to_second = at::zeros_like(hidden[kAfterSecond]);
-  const Tensor to_first = at::zeros_like(hidden[kAfterFirst]);
-  result[0] = at::zeros_like(embedding);
-  back(kLightLast, hidden[kLightHidden], to_light, to_light_hidden);
-  through_relu(hidden[kLightHidden], to_light_hidden);
-  back(kLightFirst, hidden[kFeatures], to_light_hidden, to_features);
-  back(kSky, hidden[kFeatures], to_sky, to_features);
-  through_relu(hidden[kFeatures], to_features);
-  back(kThird, hidden[kAfterSecond], to_features, to_second);
-  through_relu(hidden[kAfterSecond], to_second);
-  back(kSecond, hidden[kAfterFirst], to_second, to_first);
-  through_relu(hidden[kAfterFirst], to_first);
-  multiply(to_first, dropout);
-  back(kFirst, embedding, to_first, result[0]);
+  Tensor to_hidden[kHidden];
+  for (int i = 0; i < kHidden; ++i) to_hidden[i] = at::zeros_like(hidden[i]);
+  result[0] = at::zeros_like(net.embedding);
+  back(kLightLast, hidden[kLightHidden], to_light, to_hidden[kLightHidden]);
+  through_relu(hidden[kLightHidden], to_hidden[kLightHidden]);
+  back(kLightFirst, hidden[kFeatures], to_hidden[kLightHidden], to_hidden[kFeatures]);
+  back(kSky, hidden[kFeatures], to_sky, to_hidden[kFeatures]);
+  through_relu(hidden[kFeatures], to_hidden[kFeatures]);
+  back(kThird, hidden[kAfterSecond], to_hidden[kFeatures], to_hidden[kAfterSecond]);
+  through_relu(hidden[kAfterSecond], to_hidden[kAfterSecond]);
+  back(kSecond, hidden[kAfterFirst], to_hidden[kAfterSecond], to_hidden[kAfterFirst]);
+  through_relu(hidden[kAfterFirst], to_hidden[kAfterFirst]);
+  multiply(to_hidden[kAfterFirst], net.dropout);
+  back(kFirst, net.embedding, to_hidden[kAfterFirst], result[0]);
   return result;
+}
+
+struct AppearanceFunction : torch::autograd::Function<AppearanceFunction> {
+  static variable_list forward(torch::autograd::AutogradContext* ctx, const Tensor& embedding,
+                               std::int64_t photo, const std::optional<Tensor>& dropout,
+                               at::TensorList weights, at::TensorList biases) {
+    RECORD_FUNCTION("r3gw::appearance", {});
+    const variable_list found = outputs_of({embedding.select(0, photo), dropout, weights, biases});
+    variable_list saved = {embedding, dropout.value_or(Tensor())};
+    saved.insert(saved.end(), weights.begin(), weights.end());
+    saved.insert(saved.end(), found.begin() + 2, found.end());
+    ctx->save_for_backward(saved);
+    ctx->saved_data["photo"] = photo;
+    return {found[0].view({-1, 3}), found[1].view({-1, 3})};
+  }
+
+  static variable_list backward(torch::autograd::AutogradContext* ctx,
+                                const variable_list& gradients) {
+    RECORD_FUNCTION("r3gw::appearance_backward", {});
+    const variable_list saved = ctx->get_saved_variables();
+    const Tensor &embedding = saved[0], &dropout = saved[1];
+    const std::int64_t photo = ctx->saved_data["photo"].toInt();
+    const at::TensorList layers = at::TensorList(saved).slice(2);
+    const Network net{embedding.select(0, photo),
+                      dropout.defined() ? std::optional<Tensor>(dropout) : std::nullopt,
+                      layers.slice(0, kLayers),
+                      {}};
+    variable_list result = gradients_of(net, layers.slice(kLayers), gradients[0].reshape(-1),
+                                        gradients[1].reshape(-1));
+    const Tensor to_embedding = at::zeros_like(embedding);
+    to_embedding.select(0, photo).copy_(result[0]);
+    result[0] = to_embedding;
+    result.insert(result.begin() + 1, 2, Tensor());  // The photo and the dropout.
+    return result;
+  }
+};
+
+// Light and sky coefficients [coeff,3] of the photo in this row of the embedding.
+std::vector<Tensor> appearance(const Tensor& embedding, std::int64_t photo,
+                               const std::optional<Tensor>& dropout, at::TensorList weights,
+                               at::TensorList biases) {
+  return AppearanceFunction::apply(embedding, photo, dropout, weights, biases);
 }
 
 }  // namespace
 
-TORCH_LIBRARY_FRAGMENT(r3gw, library) {
-  library.def("appearance", &appearance);
-  library.def("appearance_backward", &appearance_backward);
-}
+TORCH_LIBRARY_FRAGMENT(r3gw, library) { library.def("appearance", &appearance); }
 
 }  // namespace r3gw
