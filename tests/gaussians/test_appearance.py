@@ -43,6 +43,35 @@ def test_photos_of_a_session_share_light_up_to_exposure(make_model):
     assert float((other - first).abs().max()) > 1e-4
 
 
+@pytest.mark.parametrize("dropout", [0.0, 0.3])
+def test_the_kernel_equals_the_modules(make_model, dropout):
+    """Light, sky colour and every gradient; under dropout the same draws are dropped."""
+    appearance = make_model(False).appearance
+    generator = torch.Generator().manual_seed(3)
+    with torch.no_grad():
+        for value in appearance.parameters():
+            value.add_(0.1 * torch.randn(value.shape, generator=generator))
+    appearance.trunk[2].p = dropout
+    outcomes = []
+    for run in (appearance, lambda photo: plain_light(appearance, photo)):
+        torch.manual_seed(5)
+        light, sky = run(1)
+        pull = torch.linspace(-1, 2, light.numel()).view_as(light)
+        loss = (pull * light).sum() + sky.square().sum()
+        gradients = torch.autograd.grad(loss, list(appearance.parameters()))
+        outcomes.append([light.detach(), sky.detach(), *gradients])
+    for found, expected in zip(*outcomes, strict=True):
+        largest = float(expected.abs().max())
+        assert largest > 0
+        torch.testing.assert_close(found, expected, rtol=1e-4, atol=1e-6 * largest)
+
+
+def plain_light(appearance, photo):
+    """What the forward pass computes, module by module."""
+    features = appearance.trunk(appearance.embedding[appearance.rows[photo]])
+    return appearance.light_head(features).view(-1, 3), appearance.sky_head(features).view(-1, 3)
+
+
 @torch.no_grad()
 def test_by_default_every_photo_has_its_own_light(make_model):
     appearance = make_model(False).appearance

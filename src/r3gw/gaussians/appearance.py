@@ -7,6 +7,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.gaussians.sky import SKY_DEGREE
 from r3gw.lighting import sh
 from r3gw.settings.train import InitSettings, ModelSettings
@@ -61,10 +62,11 @@ class Appearance(nn.Module):
         self.log_exposure: nn.Parameter | None = None
         if num_rows < len(rows):
             self.log_exposure = nn.Parameter(torch.zeros(len(rows)))
+        self._dropout = nn.Dropout(settings.dropout)
         self.trunk = nn.Sequential(
             nn.Linear(settings.embedding_size, hidden),
             nn.ReLU(),
-            nn.Dropout(settings.dropout),
+            self._dropout,
             nn.Linear(hidden, hidden),
             nn.ReLU(),
             nn.Linear(hidden, hidden),
@@ -76,14 +78,14 @@ class Appearance(nn.Module):
             nn.ReLU(),
             nn.Linear(settings.light_hidden_size, 3 * sh.num_coefficients(settings.light_degree)),
         )
+        self._linear_layers = tuple(m for m in self.modules() if isinstance(m, nn.Linear))
         self._initialise(init, generator)
 
     @torch.no_grad()
     def _initialise(self, init: InitSettings, generator: torch.Generator) -> None:
-        for layer in self.modules():
-            if isinstance(layer, nn.Linear):
-                nn.init.kaiming_uniform_(layer.weight, a=sqrt(5), generator=generator)
-                layer.bias.zero_()
+        for layer in self._linear_layers:
+            nn.init.kaiming_uniform_(layer.weight, a=sqrt(5), generator=generator)
+            layer.bias.zero_()
         last = self.light_head[-1]
         assert isinstance(last, nn.Linear)  # for the type checker
         degree = isqrt(len(last.bias) // 3) - 1
@@ -93,12 +95,20 @@ class Appearance(nn.Module):
 
     def forward(self, photo: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
         """Light ``[(degree+1)**2, 3]`` and sky ``[4, 3]`` of one training photo, without noise."""
-        features = self.trunk(self.embedding[self.rows[photo]])
-        light: Tensor = self.light_head(features)
-        sky: Tensor = self.sky_head(features)
+        layers, dropout, factors = self._linear_layers, self._dropout, None
+        if self.training and dropout.p > 0:
+            factors = dropout(torch.ones_like(layers[0].bias))
+        light: Tensor
+        light, sky = torch.ops.r3gw.appearance(
+            self.embedding,
+            self.rows[photo],
+            factors,
+            [layer.weight for layer in layers],
+            [layer.bias for layer in layers],
+        )
         if self.log_exposure is not None:
             light = light * self.log_exposure[photo].exp()
-        return light.reshape(-1, 3), sky.reshape(-1, 3)
+        return light, sky
 
     def noisy(
         self, light: Float[Tensor, "coeff 3"], generator: torch.Generator

@@ -95,5 +95,4 @@ def draw(splats: Splats, camera: Camera) -> Rendering:
         camera.height,
         num_feature_gradients=NUM_COLOUR_GRADIENTS,
     )
-    planes = result.features.permute(2, 0, 1)
-    return Rendering(planes, result.alpha, result.radii_px, result.means2d, splats)
+    return Rendering(result.planes, result.alpha, result.radii_px, result.means2d, splats)

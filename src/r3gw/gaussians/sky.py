@@ -96,9 +96,9 @@ class Sky(nn.Module):
     def clamp_to_dome(self) -> None:
         """Put angles and radius back into their ranges; called after every optimizer step."""
         self.radius.clamp_(min=SMALLEST_RADIUS)
-        angles = self.rows["angles"]
-        angles[:, 0].clamp_(0.0, pi / 2)
-        angles[:, 1].clamp_(float(self.azimuth_rad[0]), float(self.azimuth_rad[1]))
+        theta, phi = self.rows["angles"].unbind(-1)
+        theta.clamp_(0.0, pi / 2)
+        phi.clamp_(*self.azimuth_rad.tolist())
 
     @torch.no_grad()
     def angles_of(self, positions: Float[Tensor, "n 3"]) -> Float[Tensor, "n 2"]:

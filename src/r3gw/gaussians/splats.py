@@ -4,12 +4,10 @@
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
-from torch.autograd.function import once_differentiable
 
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.gaussians.model import SceneModel
@@ -79,16 +77,15 @@ def splats_of(
     if light.shape[0] not in COEFFICIENTS:
         raise ValueError(f"shading needs 9 or 25 light coefficients, got {light.shape[0]}")
     table = brdf_table() if model.settings.model.specular else None
-    outputs = _Splats.apply(  # type: ignore[no-untyped-call]
-        camera.cam_from_world,
-        table,
-        model.sky.centre,
+    foreground = [model.foreground[name] for name in FOREGROUND_ROWS]
+    sky = [model.sky.rows[name] for name in SKY_ROWS]
+    outputs = torch.ops.r3gw.splats(
+        foreground + shadows_of(model.foreground, light),
+        [*sky, model.sky.radius, model.sky.centre],
         light.contiguous(),
+        table,
         None if sky_light is None else sky_light.contiguous(),
-        model.sky.radius,
-        *(model.sky.rows[name] for name in SKY_ROWS),
-        *(model.foreground[name] for name in FOREGROUND_ROWS),
-        *shadows_of(model.foreground, light),
+        camera.cam_from_world,
     )
     return Splats(*outputs)
 
@@ -96,44 +93,3 @@ def splats_of(
 def shadows_of(rows: Rows, light: Float[Tensor, "coeff 3"]) -> list[Float[Tensor, "f 3"]]:
     """What shadows change in the irradiance of each Gaussian; empty where none are modelled."""
     return [rows[OCCLUSION][:, : len(light)] @ light] if OCCLUSION in rows else []
-
-
-class _Splats(torch.autograd.Function):
-    @staticmethod
-    def forward(
-        ctx: Any,
-        cam_from_world: Tensor,
-        table: Tensor | None,
-        centre: Tensor,
-        light: Tensor,
-        sky_light: Tensor | None,
-        radius: Tensor,
-        *rows: Tensor,
-    ) -> tuple[Tensor, ...]:
-        ctx.save_for_backward(centre, light, sky_light, radius, *rows)
-        ctx.table, ctx.cam_from_world = table, cam_from_world
-        foreground, sky = _inputs(rows, radius, centre)
-        outputs = torch.ops.r3gw.splats(foreground, sky, light, table, sky_light, cam_from_world)
-        return tuple(outputs)
-
-    @staticmethod
-    @once_differentiable
-    def backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor | None, ...]:
-        centre, light, sky_light, radius, *rows = ctx.saved_tensors
-        foreground, sky = _inputs(rows, radius, centre)
-        results = torch.ops.r3gw.splats_backward(
-            [gradient.contiguous() for gradient in gradients],
-            *(foreground, sky, light, ctx.table, sky_light, ctx.cam_from_world),
-        )
-        to_foreground, to_rest = results[: len(foreground)], results[len(foreground) :]
-        to_sky, (to_radius, to_light) = to_rest[: len(SKY_ROWS)], to_rest[len(SKY_ROWS) :][:2]
-        to_sky_light = to_rest[-1] if sky_light is not None else None
-        return (None, None, None, to_light, to_sky_light, to_radius, *to_sky, *to_foreground)
-
-
-def _inputs(
-    rows: "tuple[Tensor, ...] | list[Tensor]", radius: Tensor, centre: Tensor
-) -> tuple[list[Tensor], list[Tensor]]:
-    """The kernel's two lists: the foreground with its shadow; the sky, its radius, its centre."""
-    split = len(SKY_ROWS)
-    return list(rows[split:]), [*rows[:split], radius, centre]

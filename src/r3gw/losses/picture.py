@@ -4,7 +4,8 @@ What it computes is written plainly in `r3gw.losses.reconstruction`, `r3gw.losse
 `r3gw.losses.separation`, which it is held against.
 """
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Bool, Float, UInt8
@@ -12,11 +13,10 @@ from torch import Tensor
 
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.geometry.cameras import Camera
-from r3gw.losses.known_gradient import known_gradient
+from r3gw.losses.known_gradient import KnownLoss
 
 
-@dataclass(frozen=True)
-class PictureWeights:
+class PictureWeights(NamedTuple):
     """Factors of the four terms; a term of weight 0 is not computed."""
 
     l1: float
@@ -27,17 +27,17 @@ class PictureWeights:
 
 @dataclass(frozen=True)
 class PictureLosses:
-    """The weighted sum, which carries the gradient, and its terms before they are weighted.
+    """The weighted sum with its gradient, and its terms before they are weighted.
 
     Attributes:
-        total: Scalar.
+        total: By planes and alpha.
         l1: Mean absolute error over valid pixels and channels.
         dissimilarity: 1 - SSIM, the mean over the same.
         normal: Mean of 1 - N_rendered . N_depth over foreground pixels.
         separation: Eq. 15, a mean over valid pixels and channels.
     """
 
-    total: Float[Tensor, ""]
+    total: KnownLoss
     l1: float
     dissimilarity: float
     normal: float
@@ -70,9 +70,9 @@ def picture_losses(
         target,
         is_valid,
         is_sky,
-        astuple(weights),
+        weights,
         camera.intrinsics,
         camera.cam_from_world,
     )
-    value = sum(w * loss for w, loss in zip(astuple(weights), losses, strict=True))
-    return PictureLosses(known_gradient(value, gradients, (planes, alpha)), *losses)
+    value = sum(weight * loss for weight, loss in zip(weights, losses, strict=True))
+    return PictureLosses(KnownLoss(value, (planes, alpha), tuple(gradients)), *losses)

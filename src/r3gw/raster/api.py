@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 
+import torch
 from jaxtyping import Float
 from torch import Tensor
 
+import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.raster import validation
-from r3gw.raster.autograd import Composite, Project, View
 from r3gw.raster.result import RasterResult
 
 
@@ -72,18 +73,11 @@ def rasterize(
     means, quaternions, scales = means.contiguous(), quaternions.contiguous(), scales.contiguous()
     opacities, features = opacities.contiguous(), features.contiguous()
     background = None if background is None else background.contiguous()
-    validation.check_gaussians(means, quaternions, scales, opacities, features)
+    if not torch.ops.r3gw.values_are_usable(means, quaternions, scales, opacities, features):
+        validation.check_gaussians(means, quaternions, scales, opacities, features)
 
-    view = View(cam_from_world, intrinsics, width, height)
-    means2d, factors, screen, radii_px = Project.apply(  # type: ignore[no-untyped-call]
-        means, quaternions, scales, opacities, view
+    planes, alpha, radii_px, means2d = torch.ops.r3gw.rasterize(
+        *(means, quaternions, scales, opacities, features, background),
+        *(cam_from_world, intrinsics, width, height, columns),
     )
-    if means2d.requires_grad:
-        means2d.retain_grad()
-    planes, alpha = Composite.apply(  # type: ignore[no-untyped-call]
-        *(means2d, factors, opacities, features, background),
-        *(screen, radii_px, (width, height), columns),
-    )
-    return RasterResult(
-        features=planes.permute(1, 2, 0), alpha=alpha, radii_px=radii_px, means2d=means2d
-    )
+    return RasterResult(planes=planes, alpha=alpha, radii_px=radii_px, means2d=means2d)

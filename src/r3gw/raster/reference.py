@@ -57,7 +57,10 @@ def rasterize(
     transmittance = torch.stack([row[1] for row in rows])
     image = torch.stack([row[0] for row in rows]) + transmittance[..., None] * background
     return RasterResult(
-        features=image, alpha=1 - transmittance, radii_px=radii.detach(), means2d=means2d
+        planes=image.permute(2, 0, 1),
+        alpha=1 - transmittance,
+        radii_px=radii.detach(),
+        means2d=means2d,
     )
 
 

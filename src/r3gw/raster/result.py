@@ -11,8 +11,7 @@ class RasterResult:
     """One composited image and where its Gaussians landed.
 
     Attributes:
-        features: Composited feature channels, background included; in memory one plane per
-            channel, so ``permute(2, 0, 1)`` is contiguous.
+        planes: Composited feature channels, background included.
         alpha: Accumulated alpha, 1 − final transmittance.
         radii_px: Larger half side, in pixels, of the box in which a Gaussian's alpha can reach
             1/255; 0 where the Gaussian is not visible. No gradient.
@@ -20,7 +19,12 @@ class RasterResult:
             requires a gradient, ``means2d.grad`` holds the gradient in pixels after backward.
     """
 
-    features: Float[Tensor, "height width channels"]
+    planes: Float[Tensor, "channels height width"]
     alpha: Float[Tensor, "height width"]
     radii_px: Float[Tensor, " n"]
     means2d: Float[Tensor, "n 2"]
+
+    @property
+    def features(self) -> Float[Tensor, "height width channels"]:
+        """The planes as a picture."""
+        return self.planes.permute(1, 2, 0)

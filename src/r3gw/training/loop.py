@@ -18,7 +18,7 @@ from r3gw.gaussians.occlusion import update_occlusion
 from r3gw.gaussians.rows import OCCLUSION
 from r3gw.training.history import History
 from r3gw.training.objective import objective
-from r3gw.training.optimizer import set_position_rate
+from r3gw.training.optimizer import adam_step, set_position_rate
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
 from r3gw.training.state import Checkpoints, TrainingState, first_state
@@ -73,13 +73,12 @@ def _step(
     rendering, loss, parts = objective(model, photo, index, iteration, schedule, state.generator)
     if not torch.isfinite(loss):
         raise InputError(_not_finite(iteration, photo, parts))
-    state.optimizer.zero_grad(set_to_none=True)
     torch.autograd.backward(loss)
     gradient = rendering.means2d.grad
     if iteration <= schedule.densify_last and gradient is not None:
         camera = photo.camera
         state.statistics.add(gradient, rendering.radii_px, camera.width, camera.height)
-    state.optimizer.step()
+    adam_step(state.optimizer)
     model.sky.clamp_to_dome()
     _change_density(state, schedule, extent)
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):

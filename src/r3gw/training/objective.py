@@ -6,6 +6,7 @@ from torch import Tensor
 
 from r3gw.gaussians.compose import Rendering, render
 from r3gw.gaussians.model import SceneModel
+from r3gw.losses.known_gradient import KnownLoss, sum_of
 from r3gw.losses.lighting import ground_loss, random_directions
 from r3gw.losses.picture import PictureWeights, picture_losses
 from r3gw.losses.regularisers import flatness_loss, positivity_loss, sky_depth_loss
@@ -46,31 +47,36 @@ def objective(
         photo.camera,
         acting,
     )
-    total = [pixels.total]
+    known = [pixels.total]
     parts = {"separation": acting.separation * pixels.separation}
     if iteration <= schedule.warm_up:
-        return rendering, pixels.total, parts
+        return rendering, sum_of(known), parts
 
     parts["reconstruction"] = acting.l1 * pixels.l1 + acting.dissimilarity * pixels.dissimilarity
     parts["normal"] = acting.normal * pixels.normal
 
-    def add(name: str, weight: float, loss: Tensor) -> None:
-        total.append(weight * loss)
-        parts[name] = float(total[-1].detach())
+    def add(name: str, loss: KnownLoss) -> None:
+        known.append(loss)
+        parts[name] = loss.value
 
     directions = random_directions(weights.light_directions, weights.light_domain, generator)
-    add("light", weights.light, positivity_loss(light, directions))
+    add("light", positivity_loss(light, directions, weights.light))
+    below = None
     if weights.ground > 0:
         below = -random_directions(weights.light_directions, "hemisphere", generator)
-        add("ground", weights.ground, ground_loss(light, below, weights.ground_reflectance))
     splats, radii_px = rendering.splats, rendering.radii_px
     if weights.sky_depth > 0:
-        num_foreground = len(model.foreground)
-        loss = sky_depth_loss(splats.depths, radii_px, num_foreground, weights.sky_depth_gamma)
-        add("sky_depth", weights.sky_depth, loss)
+        num_foreground, gamma = len(model.foreground), weights.sky_depth_gamma
+        loss = sky_depth_loss(splats.depths, radii_px, num_foreground, gamma, weights.sky_depth)
+        add("sky_depth", loss)
     if iteration > schedule.geometry_losses_from:
-        add("scale", weights.scale, flatness_loss(splats.smallest_scales, radii_px))
-    return rendering, torch.stack(total).sum(), parts
+        add("scale", flatness_loss(splats.smallest_scales, radii_px, weights.scale))
+    total = sum_of(known)
+    if below is not None:
+        ground = weights.ground * ground_loss(light, below, weights.ground_reflectance)
+        parts["ground"] = float(ground.detach())
+        total = total + ground
+    return rendering, total, parts
 
 
 def acting_weights(weights: WeightSettings, schedule: Schedule, iteration: int) -> PictureWeights:

@@ -4,6 +4,7 @@ from typing import Any
 
 import torch
 
+import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.gaussians.model import SceneModel
 from r3gw.training.schedule import Schedule
 
@@ -40,6 +41,30 @@ def make_optimizer(model: SceneModel) -> torch.optim.Adam:
     groups.append({"name": "embedding", "params": [embedding], "lr": rates.embedding * slow})
     groups.append({"name": "mlp", "params": mlp, "lr": rates.mlp * slow})
     return torch.optim.Adam(groups, eps=EPSILON, fused=True)
+
+
+def adam_step(optimizer: torch.optim.Adam) -> None:
+    """Do what ``optimizer.step()`` and ``zero_grad()`` do, with one kernel for all parameters.
+
+    torch calls one per group, and with a dozen groups of small tensors its bookkeeping takes longer
+    than the arithmetic. State and groups stay torch's, for densification and checkpoints.
+    """
+    lists: list[list[Any]] = [[] for _ in range(6)]
+    for group in optimizer.param_groups:
+        for parameter in group["params"]:
+            gradient, parameter.grad = parameter.grad, None
+            if gradient is None:
+                continue
+            state = optimizer.state[parameter]
+            if not state:
+                state["step"] = torch.zeros(())
+                state["exp_avg"] = torch.zeros_like(parameter, requires_grad=False)
+                state["exp_avg_sq"] = torch.zeros_like(parameter, requires_grad=False)
+            row = (parameter, gradient, state["exp_avg"], state["exp_avg_sq"], state["step"])
+            for values, value in zip(lists, (*row, group["lr"]), strict=True):
+                values.append(value)
+    betas = optimizer.defaults["betas"]
+    torch.ops.r3gw.adam_step(*lists, *betas, optimizer.defaults["eps"])
 
 
 def set_position_rate(

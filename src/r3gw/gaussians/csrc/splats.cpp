@@ -1,7 +1,9 @@
-// Registers torch.ops.r3gw.splats and its backward; r3gw.gaussians.splats says what they take.
+// Registers torch.ops.r3gw.splats, which torch differentiates; r3gw.gaussians.splats says what it
+// takes.
 #include "gaussians/csrc/splats.h"
 
 #include <ATen/ATen.h>
+#include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
 
 #include <vector>
@@ -10,9 +12,18 @@ namespace r3gw {
 namespace {
 
 using at::Tensor;
+using torch::autograd::variable_list;
 
 enum ForegroundInput { kMeans, kLogScales, kQuaternions, kOpacity, kAlbedo, kRoughness, kShadow };
-enum SkyInput { kAngles, kSkyLogScales, kSkyQuaternions, kSkyOpacity, kRadius, kCentre };
+enum SkyInput {
+  kAngles,
+  kSkyLogScales,
+  kSkyQuaternions,
+  kSkyOpacity,
+  kRadius,
+  kCentre,
+  kSkyInputs
+};
 
 const float* data(const Tensor& tensor) { return tensor.const_data_ptr<float>(); }
 
@@ -46,10 +57,10 @@ Sky sky_from(at::TensorList s, const std::optional<Tensor>& sky_light) {
           data(s[kSkyOpacity]), data(s[kCentre]), data(s[kRadius]),       data(sky_light)};
 }
 
-// Means, quaternions, scales, opacities, features, depths of both sets; smallest scales.
-std::vector<Tensor> splats(at::TensorList foreground, at::TensorList sky, const Tensor& light,
-                           const std::optional<Tensor>& table,
-                           const std::optional<Tensor>& sky_light, const Tensor& cam_from_world) {
+std::vector<Tensor> splats_forward(at::TensorList foreground, at::TensorList sky,
+                                   const Tensor& light, const std::optional<Tensor>& table,
+                                   const std::optional<Tensor>& sky_light,
+                                   const Tensor& cam_from_world) {
   const Foreground f = foreground_from(foreground, light, table);
   const Sky s = sky_from(sky, sky_light);
   const auto options = foreground[kMeans].options();
@@ -69,7 +80,7 @@ std::vector<Tensor> splats(at::TensorList foreground, at::TensorList sky, const 
 }
 
 // Gradients of the foreground's six or seven inputs, the sky's five, the light and the sky's light.
-std::vector<Tensor> splats_backward(at::TensorList gradients, at::TensorList foreground,
+std::vector<Tensor> splats_backward(const std::vector<Tensor>& gradients, at::TensorList foreground,
                                     at::TensorList sky, const Tensor& light,
                                     const std::optional<Tensor>& table,
                                     const std::optional<Tensor>& sky_light,
@@ -98,11 +109,50 @@ std::vector<Tensor> splats_backward(at::TensorList gradients, at::TensorList for
   return result;
 }
 
+struct SplatsFunction : torch::autograd::Function<SplatsFunction> {
+  static variable_list forward(torch::autograd::AutogradContext* ctx, at::TensorList foreground,
+                               at::TensorList sky, const Tensor& light,
+                               const std::optional<Tensor>& table,
+                               const std::optional<Tensor>& sky_light,
+                               const Tensor& cam_from_world) {
+    RECORD_FUNCTION("r3gw::splats", {});
+    variable_list saved = {light, table.value_or(Tensor()), sky_light.value_or(Tensor()),
+                           cam_from_world};
+    saved.insert(saved.end(), sky.begin(), sky.end());
+    saved.insert(saved.end(), foreground.begin(), foreground.end());
+    ctx->save_for_backward(saved);
+    return splats_forward(foreground, sky, light, table, sky_light, cam_from_world);
+  }
+
+  static variable_list backward(torch::autograd::AutogradContext* ctx, variable_list gradients) {
+    RECORD_FUNCTION("r3gw::splats_backward", {});
+    for (Tensor& gradient : gradients) gradient = gradient.contiguous();
+    const variable_list saved = ctx->get_saved_variables();
+    const auto given = [](const Tensor& tensor) {
+      return tensor.defined() ? std::optional<Tensor>(tensor) : std::nullopt;
+    };
+    const at::TensorList rows = at::TensorList(saved).slice(4);
+    const at::TensorList sky = rows.slice(0, kSkyInputs), foreground = rows.slice(kSkyInputs);
+    variable_list result = splats_backward(gradients, foreground, sky, saved[0], given(saved[1]),
+                                           given(saved[2]), saved[3]);
+    // One per argument: none for the sky's centre, the table, a missing light and the camera.
+    result.insert(result.begin() + foreground.size() + kCentre, Tensor());
+    result.insert(result.begin() + foreground.size() + kSkyInputs + 1, Tensor());
+    if (!saved[2].defined()) result.emplace_back();
+    result.emplace_back();
+    return result;
+  }
+};
+
+// Means, quaternions, scales, opacities, features, depths of both sets; smallest scales.
+std::vector<Tensor> splats(at::TensorList foreground, at::TensorList sky, const Tensor& light,
+                           const std::optional<Tensor>& table,
+                           const std::optional<Tensor>& sky_light, const Tensor& cam_from_world) {
+  return SplatsFunction::apply(foreground, sky, light, table, sky_light, cam_from_world);
+}
+
 }  // namespace
 
-TORCH_LIBRARY_FRAGMENT(r3gw, library) {
-  library.def("splats", &splats);
-  library.def("splats_backward", &splats_backward);
-}
+TORCH_LIBRARY_FRAGMENT(r3gw, library) { library.def("splats", &splats); }
 
 }  // namespace r3gw

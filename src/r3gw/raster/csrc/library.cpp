@@ -1,15 +1,13 @@
 // Registers the rasterizer as torch.ops.r3gw.*, and the Python module whose import loads them all.
-#include <ATen/ATen.h>
+#include "raster/csrc/operators.h"
+
 #include <Python.h>
-#include <torch/custom_class.h>
 #include <torch/library.h>
 
 #include <algorithm>
-#include <tuple>
 
 #include "raster/csrc/composite.h"
 #include "raster/csrc/depth_sort.h"
-#include "raster/csrc/frame.h"
 #include "raster/csrc/projection.h"
 #include "raster/csrc/tiles.h"
 
@@ -17,11 +15,6 @@ namespace r3gw {
 namespace {
 
 using at::Tensor;
-
-// Keeps a frame's memory out of the pool until the backward pass is done with it.
-struct FrameHandle : torch::CustomClassHolder {
-  std::shared_ptr<Frame> frame = acquire_frame();
-};
 
 Camera camera_from(const Tensor& cam_from_world, at::ArrayRef<double> intrinsics,
                    std::int64_t width, std::int64_t height) {
@@ -44,6 +37,20 @@ Gaussians gaussians_from(const Tensor& means, const Tensor& quaternions, const T
   return {means.size(0), means.const_data_ptr<float>(), quaternions.const_data_ptr<float>(),
           scales.const_data_ptr<float>()};
 }
+
+Splats splats_from(const Tensor& means2d, const Tensor& factors, const Tensor& screen,
+                   const Tensor& features) {
+  return {means2d.const_data_ptr<float>(), factors.const_data_ptr<float>(),
+          screen.const_data_ptr<float>(), features.const_data_ptr<float>(),
+          static_cast<int>(features.size(1))};
+}
+
+ChannelPass pass_from(int channels, int first) {
+  const int used = std::min(channels - first, kMaxChannels);
+  return {channels, first, used, kernel_width(used)};
+}
+
+}  // namespace
 
 std::tuple<Tensor, Tensor, Tensor, Tensor> project_op(const Tensor& means,
                                                       const Tensor& quaternions,
@@ -75,18 +82,6 @@ std::tuple<Tensor, Tensor, Tensor> project_backward_op(
                    {grad_means.data_ptr<float>(), grad_quaternions.data_ptr<float>(),
                     grad_scales.data_ptr<float>()});
   return {grad_means, grad_quaternions, grad_scales};
-}
-
-Splats splats_from(const Tensor& means2d, const Tensor& factors, const Tensor& screen,
-                   const Tensor& features) {
-  return {means2d.const_data_ptr<float>(), factors.const_data_ptr<float>(),
-          screen.const_data_ptr<float>(), features.const_data_ptr<float>(),
-          static_cast<int>(features.size(1))};
-}
-
-ChannelPass pass_from(int channels, int first) {
-  const int used = std::min(channels - first, kMaxChannels);
-  return {channels, first, used, kernel_width(used)};
 }
 
 std::tuple<Tensor, Tensor, c10::intrusive_ptr<FrameHandle>> composite_op(
@@ -148,8 +143,6 @@ Tensor background_gradient_op(const Tensor& grad_image, const Tensor& alpha) {
       result.data_ptr<float>());
   return result;
 }
-
-}  // namespace
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
   library.class_<FrameHandle>("Frame");
