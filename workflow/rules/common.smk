@@ -1,5 +1,6 @@
 # Every function and constant of the workflow; the other files hold rules only.
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -19,7 +20,7 @@ TRAIN_FILE, VARIANTS_FILE = f"{DEFAULTS}/train.yaml", f"{DEFAULTS}/variants.yaml
 PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
-VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})
+VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
@@ -37,7 +38,7 @@ shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PAT
 
 wildcard_constraints:
     scene="|".join(SCENES),
-    variant="|".join(VARIANTS),
+    variant="|".join(map(re.escape, VARIANTS)),
     seed=r"\d+",
 
 
@@ -98,7 +99,7 @@ def resolved(variant, seed):
 RESOLVED = {
     (variant, seed): resolved(variant, seed)
     for variant in VARIANTS
-    for seed in {*CONFIG.seeds, *CONFIG.ablations.seeds}
+    for seed in CONFIG.all_seeds
 }
 
 
@@ -124,6 +125,21 @@ def figure_runs(wildcards):
 def figure_metrics(wildcards):
     """What the evaluation of those runs wrote."""
     return [f"{run}/metrics/metrics.json" for run in figure_runs(wildcards)]
+
+
+def study_metrics(wildcards):
+    """What the evaluation of all runs of the study wrote, the baseline's first."""
+    if STUDY is None:
+        raise WorkflowError(
+            "this configuration has no key 'study' (config/README.md); "
+            "the project's own: --configfile config/studies/short_runs.yaml"
+        )
+    return collect(
+        "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
+        scene=SCENES,
+        variant=STUDY.variants,
+        seed=STUDY.seeds,
+    )
 
 
 def scene_figure(kind):
