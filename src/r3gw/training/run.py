@@ -53,7 +53,7 @@ def run_training(
     photos = load_photos(imported, scene_folder, masks_folder)
     names = tuple(photo.name for photo in photos)
     sessions = tuple(view.session or view.name for view in imported.split("train"))
-    skies = _first_skies(photos, light_rows(sessions, settings), settings)
+    skies = first_skies(photos, light_rows(sessions, settings), settings)
     start = initial_model(load_initial(initial_path), names, settings, sessions, skies)
     checkpoints = Checkpoints(target, start)
     # What is loaded by now stays: the collector need not walk it during every iteration.
@@ -79,7 +79,7 @@ def run_training(
     checkpoints.discard()
 
 
-def _first_skies(
+def first_skies(
     photos: Sequence[Photo], rows: Sequence[int], settings: TrainSettings
 ) -> Float[Tensor, "s 4 3"]:
     """Per row of the embedding, the sky that its photos show."""
