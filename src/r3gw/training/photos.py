@@ -13,6 +13,7 @@ from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_rgb
 from r3gw.masks import load_masks
 from r3gw.scene import Scene, View
+from r3gw.training.visible_sky import VisibleSky, visible_sky
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Photo:
         planes: Display values, 0 to 255, one plane per channel.
         is_valid: False on occluders.
         is_sky: True on sky.
+        seen_sky: Some of its sky pixels; None if it shows hardly any.
     """
 
     name: str
@@ -32,6 +34,7 @@ class Photo:
     planes: UInt8[Tensor, "3 h w"]
     is_valid: Bool[Tensor, "h w"]
     is_sky: Bool[Tensor, "h w"]
+    seen_sky: VisibleSky | None = None
 
     def target(self) -> Float[Tensor, "h w 3"]:
         """Display values in [0, 1]."""
@@ -63,14 +66,16 @@ def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Ph
     photos = []
     for view in scene.split("train"):
         pixels = read_photo(view, scene_folder)
-        is_valid, is_sky = load_masks(masks_folder, view)
+        is_valid, is_sky = map(torch.from_numpy, load_masks(masks_folder, view))
+        planes = torch.from_numpy(pixels).permute(2, 0, 1).contiguous()
         photos.append(
             Photo(
                 view.name,
                 view.camera,
-                torch.from_numpy(pixels).permute(2, 0, 1).contiguous(),
-                torch.from_numpy(is_valid),
-                torch.from_numpy(is_sky),
+                planes,
+                is_valid,
+                is_sky,
+                visible_sky(view.camera, planes, is_sky & is_valid),
             )
         )
     if not photos:
