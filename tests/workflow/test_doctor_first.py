@@ -28,7 +28,7 @@ def test_doctor_comes_first(finished):
 def test_broken_source_of_one_scene_starts_no_other(untouched):
     castle = CONFIG["scenes"]["tiny"] | {"building": "castle"}
     wrong = CONFIG | {"scenes": CONFIG["scenes"] | {"wrong": castle}}
-    done = snakemake(untouched, "all", config=wrong)
+    done = snakemake(untouched, "--keep-going", "all", config=wrong)
     assert done.returncode != 0
     assert "r3gw doctor: scene 'wrong': no building is named 'castle'" in done.stderr
     assert "Traceback" not in done.stderr
