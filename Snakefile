@@ -1,6 +1,7 @@
 # r3gw: photos or a dataset -> SfM import -> masks -> sky initialisation -> training ->
 # evaluation -> tables, figures, report. `snakemake --cores 2 all` makes results/table1.csv;
-# `snakemake --cores 2 ablations` makes results/ablations.csv.
+# `snakemake --cores 2 ablations` makes results/ablations.csv; with
+# `--configfile config/studies/short_runs.yaml`, `study` makes results/study.csv.
 from snakemake.utils import min_version
 
 min_version("9.0")
@@ -16,7 +17,7 @@ report: "workflow/report/workflow.rst"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/check.smk"
+include: "workflow/rules/doctor.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/train.smk"
 include: "workflow/rules/evaluate.smk"
@@ -38,3 +39,8 @@ rule all:
 rule ablations:
     input:
         "results/ablations.csv",
+
+
+rule study:
+    input:
+        "results/study.csv",

@@ -1,71 +1,15 @@
 """The doctor on good scenes and on scenes with one thing wrong each."""
 
 import json
-import subprocess
-import sys
 
 import cv2
 import layout_a
 import numpy as np
 import pytest
-import yaml
+from patient import FULL, edit_views
 
-from r3gw.doctor import examine
-from r3gw.gaussians.stage import run_initialise
 from r3gw.imaging.files import read_rgb, write_image
-from r3gw.masks import make_masks
-from r3gw.scene import load_scene, save_scene
-from r3gw.settings import Config, MaskSources, NerfOsrScene, run_settings
-from r3gw.sfm import import_scene
-
-FULL = {
-    "variants": ["full"],
-    "seeds": [0, 1],
-    "ablations": {"variants": ["no_specular"], "seeds": [0]},
-    "train": {"iterations": 1000},
-}
-
-
-class Patient:
-    """A configuration of one scene in layout A, with everything made that the doctor looks at."""
-
-    def __init__(self, folder, defaults):
-        self.folder, self.defaults = folder, defaults
-        self.place = layout_a.build(folder / "place")
-        self.entry = {"format": "nerf-osr", "path": str(self.place.folder)}
-        self.results = folder / "results"
-        self.scene = self.results / "place" / "scene"
-        self.masks = self.results / "place" / "masks"
-
-    def values(self):
-        return FULL | {"scenes": {"place": self.entry}}
-
-    def make(self):
-        """Import, masks and initial points."""
-        settings = NerfOsrScene(**self.entry)
-        import_scene("place", settings, self.place.folder, self.scene, num_threads=1)
-        make_masks(self.scene, self.masks, MaskSources())
-        names = ("train", "variants")
-        files = {f"{name}_file": self.defaults / f"{name}.yaml" for name in names}
-        sky = run_settings(Config.model_validate(self.values()), "full", 0, **files).sky
-        run_initialise(self.scene, sky, self.results / "place" / "initial.npz")
-
-    def examine(self):
-        path = self.folder / "mine.yaml"
-        path.write_text(yaml.safe_dump(self.values()))
-        target = self.folder / "doctor"
-        return examine(path, self.results, target, defaults=self.defaults)
-
-
-@pytest.fixture
-def patient(tmp_path, repository):
-    return Patient(tmp_path, repository / "config")
-
-
-@pytest.fixture
-def made(patient):
-    patient.make()
-    return patient
+from r3gw.scene import load_scene
 
 
 def facts(patient):
@@ -121,7 +65,7 @@ BROKEN_SOURCES = {
     "folder": (lambda p: p.entry.update(path="nowhere"), "nowhere: no such file or folder"),
     "building": (
         lambda p: p.entry.update(format="synthetic", building="castle") or p.entry.pop("path"),
-        "no building is named 'castle'; there are: chapel",
+        "scene 'place': no building is named 'castle'; there are: chapel",
     ),
 }
 
@@ -144,12 +88,6 @@ def test_one_photo_is_too_few(patient, tmp_path, count):
     patient.entry = {"format": "photos", "path": str(tmp_path / "few")}
     (problem,) = patient.examine().problems
     assert f"few: {count} photo{'s are' if count > 1 else ' is'} here, but at least 3" in problem
-
-
-def edit_views(patient, change):
-    scene = load_scene(patient.scene)
-    views = tuple(change(number, view) for number, view in enumerate(scene.views))
-    save_scene(scene.model_copy(update={"views": views}), patient.scene)
 
 
 def upside_down(view):
@@ -175,12 +113,42 @@ def test_masks_of_an_earlier_import_are_a_problem(made):
     )
 
 
-def test_black_evaluation_mask_and_narrow_map_are_problems(made):
+@pytest.mark.parametrize("white_px", [0, 4])
+def test_evaluation_mask_that_leaves_nothing_is_a_problem(made, white_px):
     (view,) = load_scene(made.scene).split("test")
-    write_image(made.scene / view.evaluation.mask, np.zeros((48, 64), np.uint8))
+    mask = np.zeros((48, 64), np.uint8)
+    mask[20 : 20 + white_px, 20 : 20 + white_px] = 255
+    write_image(made.scene / view.evaluation.mask, mask)
     (problem,) = made.examine().problems
-    assert "evaluation mask" in problem
-    assert "all black" in problem
+    assert f"the evaluation mask of {view.name} is all black once eroded by 5x5 px" in problem
+    mask[20:25, 20:25] = 255
+    write_image(made.scene / view.evaluation.mask, mask)
+    assert made.examine().problems == ()
+
+
+def test_broken_and_foreign_photos_are_problems(made):
+    first, second, *_ = load_scene(made.scene).views
+    (made.scene / first.image).write_bytes(b"no picture")
+    write_image(made.scene / second.image, np.zeros((40, 64, 3), np.uint8))
+    unreadable, foreign = made.examine().problems
+    assert f"{first.image}: not a readable picture" in unreadable
+    assert f"{second.image}: 64x40 px, but scene.json says 64x48 px" in foreign
+
+
+def test_map_turned_about_y_is_a_problem(made):
+    def turned(_, view):
+        if view.evaluation is None:
+            return view
+        entry = view.evaluation.model_copy(update={"rotation_rad": (-1.5, 0.2, 0.0)})
+        return view.model_copy(update={"evaluation": entry})
+
+    edit_views(made, turned)
+    (problem,) = made.examine().problems
+    assert "initial_env_map_rotation has y=0.2 and z=0" in problem
+
+
+def test_narrow_map_is_a_problem(made):
+    (view,) = load_scene(made.scene).split("test")
     env = made.scene / view.evaluation.env_map
     assert cv2.imwrite(str(env), np.zeros((16, 30, 3), np.uint8))
     (problem,) = made.examine().problems
@@ -212,50 +180,3 @@ def test_wrong_settings_are_a_problem(patient):
     )
     problems = patient.examine().problems
     assert "unknown key 'iteratoins'; did you mean 'iterations'?" in problems[0]
-
-
-def test_command_exits_with_one_line_per_problem(patient, tmp_path, repository):
-    patient.entry["path"] = "nowhere"
-    (tmp_path / "mine.yaml").write_text(yaml.safe_dump(patient.values()))
-    arguments = ["--config", "mine.yaml", "--target", "page"]
-    arguments += ["--defaults", str(repository / "config")]
-    done = subprocess.run(
-        [sys.executable, "-m", "r3gw", "doctor", *arguments],
-        capture_output=True, text=True, check=False, cwd=tmp_path,
-    )  # fmt: skip
-    assert done.returncode == 1
-    assert done.stderr.strip().splitlines() == [
-        "r3gw doctor: nowhere: no such file or folder; correct 'path' of scene 'place'"
-    ]
-    assert "A run would fail. 1 problem, 0 warnings." in done.stdout
-    assert (tmp_path / "page" / "doctor.md").is_file()
-
-
-def command(*arguments):
-    line = [sys.executable, "-m", "r3gw", *arguments]
-    return subprocess.run(line, capture_output=True, text=True, check=False)
-
-
-def test_gate_before_the_import(patient, tmp_path):
-    target = tmp_path / "checked.json"
-    wanted = ["check-source", "--scene", "place", "--target", str(target), "--entry"]
-    assert command(*wanted, json.dumps(patient.entry)).returncode == 0
-    assert json.loads(target.read_text())["problems"] == []
-    target.unlink()
-    done = command(*wanted, json.dumps(patient.entry | {"path": "nowhere"}))
-    assert done.returncode == 1
-    assert done.stderr.startswith("r3gw doctor: nowhere: no such file or folder")
-    assert not target.exists()
-
-
-def test_gate_before_the_training(made, tmp_path):
-    target = tmp_path / "checked.json"
-    wanted = ["check-scene", "--scene", "place", "--results", str(made.results)]
-    assert command(*wanted, "--target", str(target)).returncode == 0
-    assert json.loads(target.read_text())["facts"]["polarity"] == "4 upright"
-    target.unlink()
-    (made.masks / "is_sky" / f"{load_scene(made.scene).views[0].name}.png").unlink()
-    done = command(*wanted, "--target", str(target))
-    assert done.returncode == 1
-    assert "no such picture" in done.stderr
-    assert not target.exists()

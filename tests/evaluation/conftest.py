@@ -152,7 +152,7 @@ def _write_photos(model, views, hdr, ldr, folder: Path) -> None:
     bright = torch.from_numpy(np.where(values > THRESHOLD, values * SCALE, values))
     phone = envmap.project(bright, envmap.published_directions(16, 32, ROTATION_X, float(angle)), 4)
     lights = {EXACT: (true, None), SWEPT: (phone, None)}
-    lights |= {name: model.appearance(i) for i, name in enumerate(TRAIN)}
+    lights |= {name: model.appearance(i)[:2] for i, name in enumerate(TRAIN)}
     is_lower = np.zeros((SIZE[1], SIZE[0]), np.bool_)
     is_lower[14:] = True
     for name, (light, sky_light) in lights.items():

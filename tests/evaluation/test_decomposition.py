@@ -54,7 +54,7 @@ def test_no_outline_no_band(value):
 
 def test_shares_add_up_to_the_picture(tiny):
     bench, view = tiny.bench, tiny.view("a_0")
-    light, sky_light = tiny.model.appearance(0)
+    light, sky_light, _ = tiny.model.appearance(0)
     whole = bench.render(view, light.detach(), sky_light.detach())
     foreground, sky = apart(tiny.model, view.camera, light.detach(), sky_light.detach())
     np.testing.assert_allclose(np.clip(foreground + sky, 0, 1), whole, rtol=0, atol=1e-5)
@@ -110,7 +110,7 @@ def test_albedo_off_in_one_channel_is_told_per_channel(tiny):
 
 def test_light_error_forgives_one_scale_for_the_scene(tiny):
     view, bench = tiny.view("a_0"), tiny.bench
-    light, _ = tiny.model.appearance(0)
+    light, *_ = tiny.model.appearance(0)
     path = tiny.folder / "envmaps" / "learned.exr"
     write_exr(path, envmap.draw(light.detach(), 64).numpy() * np.float32([3.0, 1.0, 0.5]))
     truth = tiny.view("b_exact").truth.model_copy(update={"env_map": "envmaps/learned.exr"})

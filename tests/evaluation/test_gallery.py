@@ -39,7 +39,7 @@ def test_learned_lights_come_from_one_photo_per_session(tiny, gallery):
     assert shown["photos"] == ["a_0"]  # both training photos are of session a
     view = tiny.view("c_swept")
     with torch.no_grad():
-        light, sky = tiny.model.appearance(0)
+        light, sky, _ = tiny.model.appearance(0)
     expected = tiny.bench.render(view, light, sky) * 255
     picture = read_rgb(gallery / "learned" / "c_swept_0.png")
     np.testing.assert_allclose(picture, expected, rtol=0, atol=0.51)

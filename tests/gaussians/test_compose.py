@@ -15,7 +15,7 @@ from r3gw.geometry.rotations import rotation_from_quaternion
 
 @pytest.fixture
 def rendering(model, camera):
-    return render(model, camera, *model.appearance(0))
+    return render(model, camera, *model.appearance(0)[:2])
 
 
 def test_layers_add_up_to_the_picture(rendering):
@@ -34,12 +34,14 @@ def test_depth_lies_between_the_nearest_and_the_farthest(rendering, model, camer
 
 
 def test_normals_face_the_camera_and_leave_the_sky_out(model, camera):
-    normals = splats_of(model, camera, *model.appearance(0)).features[: len(model.foreground), 4:7]
+    normals = splats_of(model, camera, *model.appearance(0)[:2]).features[
+        : len(model.foreground), 4:7
+    ]
     to_camera = -model.foreground["means"].detach()
     assert bool(((normals.detach() * to_camera).sum(-1) >= 0).all())
     with torch.no_grad():
         model.foreground["opacity_logits"].fill_(-20.0)
-    only_sky = render(model, camera, *model.appearance(0))
+    only_sky = render(model, camera, *model.appearance(0)[:2])
     assert float(only_sky.normal.detach().abs().max()) == 0.0
     assert float(only_sky.foreground.detach().abs().max()) == 0.0
     assert float(only_sky.sky.detach().max()) > 0.1
@@ -63,7 +65,7 @@ def test_white_sky(model, camera):
 
 
 def test_every_parameter_gets_a_gradient(model, camera):
-    rendering = render(model, camera, *model.appearance(0))
+    rendering = render(model, camera, *model.appearance(0)[:2])
     loss = rendering.colour.sum() + rendering.depth.mean() + rendering.normal.sum()
     torch.autograd.backward(loss)
     for part in (model.foreground, model.sky, model.appearance):
@@ -74,7 +76,7 @@ def test_every_parameter_gets_a_gradient(model, camera):
 
 
 def test_layer_channels_move_geometry_but_not_colour(model, camera):
-    rendering = render(model, camera, *model.appearance(0))
+    rendering = render(model, camera, *model.appearance(0)[:2])
     torch.autograd.backward(rendering.foreground.sum() + rendering.sky.sum())
     assert float(model.foreground["opacity_logits"].grad.abs().max()) > 0
     albedo = model.foreground["albedo_logits"].grad
@@ -98,8 +100,8 @@ def test_model_file_keeps_the_picture(model, camera, tmp_path):
     again = load_model(tmp_path / "model.pt")
     assert again.photos == ("a", "b")
     model.appearance.eval()
-    before = render(model, camera, *model.appearance(1)).colour
-    after = render(again, camera, *again.appearance(1)).colour
+    before = render(model, camera, *model.appearance(1)[:2]).colour
+    after = render(again, camera, *again.appearance(1)[:2]).colour
     torch.testing.assert_close(after, before, rtol=0, atol=0)
 
 

@@ -9,9 +9,8 @@ from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.geometry.spherical import direction_from_angles
 from r3gw.lighting import sh
-from r3gw.lighting.envmap import pixel_directions, project
 from r3gw.losses.geometry import normal_loss, normals_from_depth, scale_loss
-from r3gw.losses.lighting import ground_loss, positivity_loss, random_directions
+from r3gw.losses.lighting import positivity_loss, random_directions, visible_sky_loss
 from r3gw.losses.reconstruction import masked_l1, reconstruction_loss
 from r3gw.losses.separation import separation_loss, sky_depth_loss
 from r3gw.losses.ssim import mean_ssim
@@ -99,23 +98,24 @@ def test_positive_light_costs_nothing():
     assert sh.num_coefficients(4) == 25
 
 
-def test_uniform_light_is_too_bright_for_the_ground():
-    """Radiance 2 all around: the ground would send 0.25 * 2, so each channel is 1.5 off."""
-    light = torch.zeros(25, 3)
-    light[0] = 2 * sqrt(4 * pi)
-    below = -random_directions(50, "hemisphere", torch.Generator().manual_seed(0))
-    assert float(ground_loss(light, below, 0.25)) == pytest.approx(3 * 1.5**2, rel=1e-5)
+def test_a_sky_is_compared_with_what_the_photo_shows_of_it():
+    """An even sky of 0.5, seen as 0.8 and as 0.3: squared differences of each channel, averaged."""
+    sky = torch.zeros(4, 3)
+    sky[0] = 0.5 * sqrt(4 * pi)
+    directions = random_directions(2, "hemisphere", torch.Generator().manual_seed(0))
+    radiance = torch.tensor([[0.8], [0.3]]).expand(2, 3)
+    found = visible_sky_loss(sky, directions, radiance, torch.zeros(2, 3, dtype=torch.bool))
+    assert float(found) == pytest.approx(3 * (0.3**2 + 0.2**2) / 2, rel=1e-5)
 
 
-def test_a_sky_over_grey_ground_costs_next_to_nothing():
-    """A half-bright map, projected: all that is left is what degree 4 cannot draw."""
-    directions = pixel_directions(64, 128)
-    sky = torch.where(directions[..., 1:2] < 0, 1.0, 0.2).expand(-1, -1, 3).float()
-    below = -random_directions(2000, "hemisphere", torch.Generator().manual_seed(0))
-    matched = float(ground_loss(project(sky, directions, 4), below, 0.2))
-    assert matched < 0.08
-    black = sky * torch.where(directions[..., 1:2] < 0, 1.0, 0.0)
-    assert float(ground_loss(project(black.float(), directions, 4), below, 0.2)) > 1.5 * matched
+def test_a_clipped_photo_only_asks_for_more_sky():
+    """Of the same two, both clipped, only the one that is brighter than the sky counts."""
+    sky = torch.zeros(4, 3)
+    sky[0] = 0.5 * sqrt(4 * pi)
+    directions = random_directions(2, "hemisphere", torch.Generator().manual_seed(0))
+    radiance = torch.tensor([[0.8], [0.3]]).expand(2, 3)
+    found = visible_sky_loss(sky, directions, radiance, torch.ones(2, 3, dtype=torch.bool))
+    assert float(found) == pytest.approx(3 * 0.3**2 / 2, rel=1e-5)
 
 
 def test_normals_from_the_depth_of_a_plane():

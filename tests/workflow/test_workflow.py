@@ -1,103 +1,14 @@
-"""The real workflow: a tiny run from rendering to the table, then nothing left to do."""
-
-import os
-import shutil
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
+"""The real workflow: a tiny run from rendering to the table, and what it refuses to begin."""
 
 import layout_a
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
+from tiny_workflow import CONFIG, snakemake
 
 from r3gw.reporting.kinds import PICTURES, PLOTS
 from r3gw.settings import load_config
 from r3gw.settings.validation import read_yaml
-
-CONFIG: dict[str, Any] = {
-    "scenes": {
-        "tiny": {
-            "format": "synthetic",
-            "building": "chapel",
-            "width_px": 64,
-            "height_px": 48,
-            "train_views": 6,
-            "test_views": 2,
-            "samples": 1,
-        }
-    },
-    "variants": ["full"],
-    "seeds": [0],
-    "ablations": {"variants": ["no_specular"], "seeds": [0]},
-    "train": {
-        "iterations": 40,
-        "density": {"max_gaussians": 6000},
-        "sky": {"min_count": 100, "max_count": 200},
-    },
-}
-
-
-def checkout(repository: Path, folder: Path) -> Path:
-    """Copy what the workflow is made of, so that tests may edit it."""
-    for name in ("workflow", "config", "src"):
-        without = shutil.ignore_patterns("*.so", "__pycache__", "*.egg-info")
-        shutil.copytree(repository / name, folder / name, ignore=without)
-    shutil.copy(repository / "Snakefile", folder)
-    return folder
-
-
-def snakemake(
-    folder: Path, *arguments: str, config: dict[str, Any] = CONFIG
-) -> subprocess.CompletedProcess[str]:
-    """Run the workflow of the copy in ``folder``."""
-    (folder / "mine.yaml").write_text(yaml.safe_dump(config))
-    command = [sys.executable, "-m", "snakemake", "--cores", "2", "--configfile", "mine.yaml"]
-    environment = os.environ | {"XDG_CACHE_HOME": str(folder / "cache")}
-    return subprocess.run(
-        [*command[:3], *arguments, *command[3:]],
-        capture_output=True, text=True, check=False, env=environment, cwd=folder,
-    )  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def finished(repository, tmp_path_factory) -> Path:
-    """Copy in which `all` has run."""
-    folder = checkout(repository, tmp_path_factory.mktemp("finished"))
-    done = snakemake(folder, "all")
-    logs = "".join(path.read_text() for path in (folder / "logs").rglob("*.log"))
-    assert done.returncode == 0, done.stderr + logs
-    return folder
-
-
-@pytest.fixture
-def untouched(repository, tmp_path) -> Path:
-    """Copy in which nothing has run."""
-    return checkout(repository, tmp_path)
-
-
-def planned(folder: Path, target: str, config: dict[str, Any] = CONFIG) -> set[str]:
-    """Names of the rules that a dry run would execute."""
-    done = snakemake(folder, "--dry-run", target, config=config)
-    assert done.returncode == 0, done.stderr
-    lines = (done.stdout + done.stderr).splitlines()
-    rules = (line.split() for line in lines if line.startswith(("rule ", "localrule ")))
-    return {words[1].rstrip(":") for words in rules}
-
-
-@contextmanager
-def edited(path: Path) -> Iterator[None]:
-    """Append an empty line to a source file for a while."""
-    before = path.read_text()
-    path.write_text(before + "# edited\n")
-    try:
-        yield
-    finally:
-        path.write_text(before)
 
 
 def test_table_holds_finite_figures(finished):
@@ -108,17 +19,6 @@ def test_table_holds_finite_figures(finished):
             assert np.isfinite(table.loc[0, f"{metric}_{place}"])
     assert table.loc[0, "n_seeds"] == 1
     assert table.loc[0, "iterations"] == 40
-
-
-def test_doctor_looked_before_the_training(finished):
-    page = (finished / "results/doctor/doctor.md").read_text()
-    assert "Nothing stands in the way of a run." in page
-    assert (finished / "results/doctor/tiny_up.png").is_file()
-    assert (finished / "results/figures/tiny_masks.png").is_file()
-    scene = finished / "results/tiny"
-    made = ("checked_source.json", "scene/scene.json", "checked.json", "full/seed0/model.pt")
-    times = [(scene / name).stat().st_mtime_ns for name in made]
-    assert times == sorted(times)
 
 
 def test_cost_report_and_figures_come_with_all(finished):
@@ -139,40 +39,6 @@ def test_snakemakes_own_report_shows_tables_and_figures(finished):
         assert piece in text
 
 
-def test_second_run_does_nothing(finished):
-    assert planned(finished, "all") == set()
-
-
-def test_edited_settings_retrain_but_do_not_render(finished):
-    changed = CONFIG | {"train": CONFIG["train"] | {"iterations": 41}}
-    rules = planned(finished, "all", changed)
-    assert {"write_settings", "train", "evaluate", "table1"} <= rules
-    assert not {"generate", "import_scene", "masks", "check_scene"} & rules
-
-
-@pytest.mark.parametrize(
-    ("source", "reruns", "keeps"),
-    [
-        ("shading/cook_torrance.py", {"train", "evaluate"}, {"generate", "masks"}),
-        ("raster/csrc/projection.cpp", {"train"}, {"generate"}),
-        ("reporting/tables.py", {"table1"}, {"train", "evaluate"}),
-        ("doctor/page.py", {"doctor"}, {"generate", "import_scene", "check_scene", "train"}),
-        ("reporting/templates/report.css", {"html_report"}, {"train", "evaluate"}),
-    ],
-)
-def test_edited_code_reruns_what_depends_on_it(finished, source, reruns, keeps):
-    with edited(finished / "src/r3gw" / source):
-        rules = planned(finished, "all")
-    assert reruns <= rules
-    assert not keeps & rules
-
-
-def test_ablations_are_planned(finished):
-    rules = planned(finished, "ablations")
-    assert {"train", "evaluate", "ablation_table"} <= rules
-    assert "generate" not in rules
-
-
 def test_misspelt_config_key_is_one_sentence(untouched):
     wrong = dict(CONFIG)
     wrong["varients"] = wrong.pop("variants")
@@ -183,12 +49,13 @@ def test_misspelt_config_key_is_one_sentence(untouched):
     assert "Traceback" not in text
 
 
-def test_missing_photo_folder_is_one_sentence(untouched):
-    wrong = CONFIG | {"scenes": {"mine": {"format": "photos", "path": "nowhere"}}}
-    done = snakemake(untouched, "--dry-run", "all", config=wrong)
+def test_every_missing_photo_folder_is_one_sentence(untouched):
+    scenes = {name: {"format": "photos", "path": "nowhere"} for name in ("mine", "yours")}
+    done = snakemake(untouched, "--dry-run", "all", config=CONFIG | {"scenes": scenes})
     assert done.returncode != 0
-    sentence = "nowhere: no such file or folder; correct 'path' of scene 'mine'"
-    assert sentence in done.stdout + done.stderr
+    for name in scenes:
+        sentence = f"nowhere: no such file or folder; correct 'path' of scene '{name}'"
+        assert sentence in done.stdout + done.stderr
 
 
 def test_incomplete_dataset_is_named_before_anything_runs(untouched):

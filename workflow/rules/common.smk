@@ -1,7 +1,9 @@
 # Every function and constant of the workflow; the other files hold rules only.
 import json
+import re
 import sys
 from pathlib import Path
+from subprocess import CalledProcessError
 
 from r3gw.files import InputError
 from r3gw.layers import LAYERS
@@ -19,17 +21,20 @@ TRAIN_FILE, VARIANTS_FILE = f"{DEFAULTS}/train.yaml", f"{DEFAULTS}/variants.yaml
 PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
-VARIANTS = sorted({*CONFIG.variants, *CONFIG.ablations.variants})
+VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
     from r3gw.sfm.completeness import require_complete
 
-    try:
-        for name in GIVEN:
+    incomplete = []
+    for name in GIVEN:
+        try:
             require_complete(name, CONFIG.scenes[name], Path(CONFIG.scenes[name].path))
-    except InputError as error:
-        raise WorkflowError(str(error))
+        except InputError as error:
+            incomplete.append(str(error))
+    if incomplete:
+        raise WorkflowError("\n".join(incomplete))
 
 # Rules call the interpreter that runs Snakemake, whether its environment is active or not.
 shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PATH; ")
@@ -37,7 +42,7 @@ shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PAT
 
 wildcard_constraints:
     scene="|".join(SCENES),
-    variant="|".join(VARIANTS),
+    variant="|".join(map(re.escape, VARIANTS)),
     seed=r"\d+",
 
 
@@ -66,6 +71,31 @@ def config_json():
 def entry_json(wildcards):
     """The config entry of a scene, as JSON."""
     return CONFIG.scenes[wildcards.scene].model_dump_json()
+
+
+def entries_json(names):
+    """The config entries of scenes by name, as JSON."""
+    return json.dumps(
+        {name: CONFIG.scenes[name].model_dump(mode="json") for name in names}
+    )
+
+
+def entry_by_name_json(wildcards):
+    """The config entry of one scene under its name, as JSON."""
+    return entries_json([wildcards.scene])
+
+
+def refuse_broken_sources():
+    """Stop before the first job, `keep-going` or not, if any scene's source would fail."""
+    try:
+        shell(
+            "python -m r3gw doctor-sources --entries {entries:q}",
+            entries=entries_json(SCENES),
+        )
+    except CalledProcessError:
+        raise WorkflowError(
+            "The doctor refuses the sources named above; no job was started."
+        )
 
 
 def scene_source(wildcards):
@@ -98,7 +128,7 @@ def resolved(variant, seed):
 RESOLVED = {
     (variant, seed): resolved(variant, seed)
     for variant in VARIANTS
-    for seed in {*CONFIG.seeds, *CONFIG.ablations.seeds}
+    for seed in CONFIG.all_seeds
 }
 
 
@@ -124,6 +154,21 @@ def figure_runs(wildcards):
 def figure_metrics(wildcards):
     """What the evaluation of those runs wrote."""
     return [f"{run}/metrics/metrics.json" for run in figure_runs(wildcards)]
+
+
+def study_metrics(wildcards):
+    """What the evaluation of all runs of the study wrote, the baseline's first."""
+    if STUDY is None:
+        raise WorkflowError(
+            "this configuration has no key 'study' (config/README.md); "
+            "the project's own: --configfile config/studies/short_runs.yaml"
+        )
+    return collect(
+        "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
+        scene=SCENES,
+        variant=STUDY.variants,
+        seed=STUDY.seeds,
+    )
 
 
 def scene_figure(kind):

@@ -56,6 +56,32 @@ rule ablation_table:
         "python -m r3gw tables --kind ablations --target results {input.metrics} > {log} 2>&1"
 
 
+rule study_table:
+    input:
+        code=library("reporting"),
+        metrics=study_metrics,
+    output:
+        csv=report(
+            ensure("results/study.csv", non_empty=True),
+            caption="../report/study.rst",
+            category="Tables",
+        ),
+        markdown="results/study.md",
+        runs="results/study_runs.csv",
+        figure=report(
+            "results/figures/study.png",
+            caption="../report/study.rst",
+            category="Tables",
+        ),
+    log:
+        "logs/study.log",
+    params:
+        baseline=STUDY.baseline if STUDY else "",
+    shell:
+        "python -m r3gw study --baseline {params.baseline} --target {output.csv}"
+        " --runs {output.runs} --figure {output.figure} {input.metrics} > {log} 2>&1"
+
+
 rule figures:
     input:
         code=library("reporting"),

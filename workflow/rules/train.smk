@@ -2,12 +2,15 @@
 
 
 # Settings reach a run as `params` and leave as a file: an edit to one variant re-runs that
-# variant alone, and every result keeps the settings that made it.
+# variant alone, and every result keeps the settings that made it. `checked` lets the doctor be first.
 rule write_settings:
+    input:
+        checked="results/{scene}/checked_source.json",
     output:
         "results/{scene}/{variant}/seed{seed}/settings.json",
     log:
         "logs/write_settings/{scene}.{variant}.seed{seed}.log",
+    priority: 50
     params:
         settings=settings_json,
     shell:
@@ -22,7 +25,7 @@ rule train:
         masks="results/{scene}/masks/masks.json",
         initial="results/{scene}/initial.npz",
         settings="results/{scene}/{variant}/seed{seed}/settings.json",
-        checked="results/{scene}/checked.json",
+        checked="results/{scene}/{variant}/seed{seed}/checked.json",
     output:
         model=ensure("results/{scene}/{variant}/seed{seed}/model.pt", non_empty=True),
         history="results/{scene}/{variant}/seed{seed}/history.csv",

@@ -35,37 +35,59 @@ def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
     Looks at the sources of all scenes and at what is already imported. Prints the page, writes it
     as TARGET/doctor.md, and exits with status 1 if anything would fail.
     """
-    from r3gw.doctor import examine
+    from r3gw.doctor.doctor import examine
 
     diagnosis = examine(config, results, target, defaults=defaults)
     click.echo(diagnosis.text)
     _stop_at(diagnosis.problems)
 
 
-@cli.command("check-source")
-@click.option("--scene", required=True, help="Name of the scene.")
-@click.option("--entry", required=True, help="The scene's config entry as JSON.")
-@click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
-def check_source(scene: str, entry: str, target: Path) -> None:
-    """Refuse a scene whose source would fail to import; looks at names and lists only."""
-    from r3gw.doctor import examine_source
+@cli.command("doctor-sources")
+@click.option("--entries", required=True, help="Config entries by scene name, as JSON.")
+@click.option("--target", type=FILE, help="JSON file to write if all is well.")
+def doctor_sources(entries: str, target: Path | None) -> None:
+    """Refuse scenes whose source would fail to import; looks at names and lists only."""
+    from r3gw.doctor.source import examine_source
     from r3gw.settings.config import parse_scene
 
-    findings = examine_source(scene, parse_scene(json_object(entry, "--entry"), f"scene '{scene}'"))
-    _stop_at(findings.problems)
-    write_json(target, findings.as_json())
+    found = [
+        examine_source(name, parse_scene(entry, f"scene '{name}'"))
+        for name, entry in json_object(entries, "--entries").items()
+    ]
+    _stop_at([problem for findings in found for problem in findings.problems])
+    if target is not None:
+        write_json(target, {findings.title: findings.as_json() for findings in found})
 
 
-@cli.command("check-scene")
+@cli.command("doctor-scene")
 @click.option("--scene", required=True, help="Name of the scene.")
 @click.option("--results", type=FOLDER, required=True, help="Folder of all scenes' results.")
 @click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
-def check_scene(scene: str, results: Path, target: Path) -> None:
+def doctor_scene(scene: str, results: Path, target: Path) -> None:
     """Refuse an imported scene whose training or evaluation would fail."""
-    from r3gw.doctor import Findings, examine_scene
+    from r3gw.doctor.doctor import examine_scene
+    from r3gw.doctor.findings import Findings
 
     findings = Findings(scene)
-    examine_scene(results / scene, findings)
+    _, size = examine_scene(results / scene, findings)
+    _stop_at(findings.problems)
+    assert size is not None  # a scene without it is a problem
+    write_json(target, findings.as_json() | {"size": size.model_dump()})
+
+
+@cli.command("doctor-run")
+@click.option("--name", required=True, help="Of the run, for the sentence: scene/variant/seed.")
+@click.option("--checked", type=FILE, required=True, help="What doctor-scene wrote of its scene.")
+@click.option("--settings", type=FILE, required=True, help="Resolved settings (JSON).")
+@click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
+def doctor_run(name: str, checked: Path, settings: Path, target: Path) -> None:
+    """Refuse a training that this machine cannot hold in memory."""
+    from r3gw.doctor.findings import Findings
+    from r3gw.doctor.training import describe_training, read_size
+    from r3gw.settings import load_train_settings
+
+    findings = Findings(name)
+    describe_training(read_size(checked), [load_train_settings(settings)], findings)
     _stop_at(findings.problems)
     write_json(target, findings.as_json())
 

@@ -29,6 +29,25 @@ def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path,
 
 
 @cli.command()
+@click.option("--baseline", required=True, help="Variant that the others are compared with.")
+@click.option("--target", type=FILE, required=True, help="The table (.csv); .md comes beside it.")
+@click.option("--runs", type=FILE, required=True, help="Table with one row per run (.csv).")
+@click.option("--figure", type=FILE, required=True, help="PSNR over seconds (.png, and as .pdf).")
+@click.argument("metrics", nargs=-1, required=True, type=FILE)
+def study(baseline: str, target: Path, runs: Path, figure: Path, metrics: tuple[Path, ...]) -> None:
+    """Compare variants with a baseline: test PSNR and SSIM beside the seconds of a training.
+
+    METRICS are the metrics.json files of all their runs, each in its run's folder.
+    """
+    from r3gw.reporting.listings import runs_table
+    from r3gw.reporting.study import study_table
+    from r3gw.reporting.study_plot import study_figure
+
+    runs_table(metrics, runs)
+    study_figure(study_table(metrics, baseline, target), baseline, figure)
+
+
+@cli.command()
 @click.option("--name", required=True, help="Scene name, the beginning of the files' names.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")

@@ -14,8 +14,9 @@ from r3gw.doctor.imported import (
 from r3gw.doctor.page import page
 from r3gw.doctor.pictures import up_picture
 from r3gw.doctor.source import examine_source
-from r3gw.doctor.training import Runs, describe_training
+from r3gw.doctor.training import SceneSize, describe_training
 from r3gw.files import atomic_path, write_json
+from r3gw.gaussians.initial import load_initial
 from r3gw.scene import Scene, load_scene
 from r3gw.settings import Config, TrainSettings, load_config, run_settings
 from r3gw.settings.validation import read_yaml
@@ -51,10 +52,11 @@ def examine(config_file: Path, results: Path, target: Path, *, defaults: Path) -
     for name in sorted(config.scenes):
         findings = examine_source(name, config.scenes[name])
         if (results / name / "scene" / "scene.json").is_file():
-            scene = examine_scene(results / name, findings)
+            scene, size = examine_scene(results / name, findings)
             if scene is not None:
                 _draw_up(scene, results / name / "scene", target, findings)
-                describe_training(scene, results / name / "initial.npz", runs, findings)
+            if size is not None and runs:
+                describe_training(size, runs, findings)
         else:
             findings.facts["imported"] = "not yet"
         sections.append(findings)
@@ -66,21 +68,34 @@ def examine(config_file: Path, results: Path, target: Path, *, defaults: Path) -
     return Diagnosis(text, problems)
 
 
-def examine_scene(folder: Path, findings: Findings) -> Scene | None:
-    """Look at an imported scene and its masks; None if it cannot be read.
+def examine_scene(folder: Path, findings: Findings) -> tuple[Scene | None, SceneSize | None]:
+    """Look at an imported scene, its masks and initial points; None is what cannot be read.
 
     Args:
-        folder: Results of the scene: scene/ and masks/.
+        folder: Results of the scene: scene/, masks/ and initial.npz.
         findings: Gets what was found.
     """
     scene = findings.attempt(partial(load_scene, folder / "scene"))
     if scene is None:
-        return None
+        return None, None
     describe_scene(scene, folder / "scene", findings)
     describe_masks(scene, folder / "masks", findings)
     describe_up(scene, findings)
     describe_lighting(scene, folder / "scene", findings)
-    return scene
+    return scene, _size(scene, folder / "initial.npz", findings)
+
+
+def _size(scene: Scene, initial: Path, findings: Findings) -> SceneSize | None:
+    points = findings.attempt(partial(load_initial, initial))
+    photos = scene.split("train")
+    if points is None or not photos:
+        return None
+    return SceneSize(
+        foreground=len(points.foreground),
+        sky=len(points.sky_angles),
+        photos=len(photos),
+        photo_pixels=sum(view.width * view.height for view in photos),
+    )
 
 
 def _draw_up(scene: Scene, scene_folder: Path, target: Path, findings: Findings) -> None:
@@ -89,19 +104,19 @@ def _draw_up(scene: Scene, scene_folder: Path, target: Path, findings: Findings)
     findings.picture = picture if (target / picture).is_file() else None
 
 
-def _runs(config: Config, defaults: Path, findings: Findings) -> Runs:
+def _runs(config: Config, defaults: Path, findings: Findings) -> list[TrainSettings]:
     """Settings of every run of the configuration; a mistake in one is a problem."""
     files = {"train_file": defaults / "train.yaml", "variants_file": defaults / "variants.yaml"}
-    runs: dict[tuple[str, int], TrainSettings] = {}
+    runs: list[TrainSettings] = []
     wanted = [(variant, seed) for variant in config.variants for seed in config.seeds]
     extra = config.ablations
     wanted += [(variant, seed) for variant in extra.variants for seed in extra.seeds]
     for variant, seed in dict.fromkeys(wanted):
         settings = findings.attempt(partial(run_settings, config, variant, seed, **files))
         if settings is not None and variant in config.variants and seed in config.seeds:
-            runs[variant, seed] = settings
+            runs.append(settings)
     findings.facts["variants"] = ", ".join(config.variants)
     findings.facts["seeds"] = ", ".join(str(seed) for seed in config.seeds)
-    lengths = sorted({settings.iterations for settings in runs.values()})
+    lengths = sorted({settings.iterations for settings in runs})
     findings.facts["iterations"] = ", ".join(f"{length:,}" for length in lengths)
     return runs

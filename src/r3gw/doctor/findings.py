@@ -28,11 +28,12 @@ class Findings:
     picture: str | None = None
 
     def attempt(self, step: Callable[[], Result]) -> Result | None:
-        """Result of ``step``; None if it finds bad input, which becomes a problem."""
+        """Result of ``step``; None if it finds bad input, which becomes a problem, told once."""
         try:
             return step()
         except InputError as error:
-            self.problems.append(str(error))
+            if str(error) not in self.problems:
+                self.problems.append(str(error))
             return None
 
     def as_json(self) -> dict[str, object]:

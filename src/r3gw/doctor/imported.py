@@ -11,15 +11,18 @@ import numpy as np
 import torch
 
 from r3gw.doctor.findings import Findings
+from r3gw.evaluation.bench import scored_pixels
+from r3gw.evaluation.metrics import EROSION_PX
+from r3gw.evaluation.protocols import published_turn_rad
 from r3gw.files import InputError
 from r3gw.geometry.cameras import UP, pixel_rays
-from r3gw.imaging.masks import read_mask
 from r3gw.lighting.envmap import read_env_map
 from r3gw.masks import load_masks
 from r3gw.scene import Scene, View, load_points
 from r3gw.settings.validation import read_yaml
 from r3gw.sfm.gauge import roll_deg
 from r3gw.sfm.named_files import listed
+from r3gw.training.photos import read_photo
 
 LEAST_TRAINING_PHOTOS = 3
 _FEW_POINTS = 100
@@ -27,7 +30,7 @@ _DOUBTFUL_ROLL_DEG = 10.0
 
 
 def describe_scene(scene: Scene, folder: Path, findings: Findings) -> None:
-    """Photos, sizes, registration, sessions, split and points."""
+    """Photos, sizes, registration, sessions, split and points; every photo is read."""
     train, test = scene.split("train"), scene.split("test")
     findings.facts["photos"] = f"{len(scene.views)} ({len(train)} training, {len(test)} test)"
     findings.facts["sizes"] = _sizes(scene.views)
@@ -36,6 +39,8 @@ def describe_scene(scene: Scene, folder: Path, findings: Findings) -> None:
     counted = listed(f"{name} ({count})" for name, count in sessions.items())
     findings.facts["sessions"] = f"{len(sessions)}: {counted}"
     findings.attempt(lambda: _enough(train, folder))
+    for view in scene.views:
+        findings.attempt(partial(read_photo, view, folder))
     points = findings.attempt(lambda: load_points(folder))
     if points is not None:
         findings.facts["sparse points"] = f"{len(points.xyz):,}"
@@ -127,8 +132,8 @@ def _check_up_with_sky(scene: Scene, masks: Path, findings: Findings) -> None:
             below.append(view.name)
     if len(below) > len(scene.views) / 2:
         findings.problems.append(
-            f"in {len(below)} of {len(scene.views)} photos the sky lies below the rest: the up "
-            "direction is upside down or the sky masks are inverted; look at both pictures"
+            f"{masks}: in {len(below)} of {len(scene.views)} photos the sky lies below the rest: "
+            "the up direction is upside down or the sky masks are inverted; look at both pictures"
         )
 
 
@@ -169,11 +174,11 @@ def describe_lighting(scene: Scene, folder: Path, findings: Findings) -> None:
 def _usable(view: View, folder: Path) -> bool:
     assert view.evaluation is not None  # only such views are asked for
     read_env_map(folder / view.evaluation.env_map)
-    if view.evaluation.mask is not None:
-        path = folder / view.evaluation.mask
-        if not read_mask(path, view.width, view.height).any():
-            raise InputError(
-                f"{path}: the evaluation mask of {view.name} is all black, so no pixel would be "
-                "scored; white must mean evaluate"
-            )
+    published_turn_rad(view, view.evaluation)
+    if not scored_pixels(folder, view).any():
+        raise InputError(
+            f"{folder / (view.evaluation.mask or '')}: the evaluation mask of {view.name} is all "
+            f"black once eroded by {EROSION_PX}x{EROSION_PX} px, so no pixel would be scored; "
+            "white must mean evaluate"
+        )
     return True

@@ -26,7 +26,7 @@ def examine_source(name: str, settings: SceneSettings) -> Findings:
     findings = Findings(name, {"format": settings.format})
     if isinstance(settings, SyntheticScene):
         findings.facts["source"] = "made by r3gw itself"
-        findings.attempt(lambda: _known_building(settings))
+        findings.attempt(lambda: _known_building(name, settings))
     else:
         findings.facts["source"] = settings.path
         _examine_files(name, settings, Path(settings.path), findings)
@@ -34,10 +34,12 @@ def examine_source(name: str, settings: SceneSettings) -> Findings:
     return findings
 
 
-def _known_building(settings: SyntheticScene) -> None:
+def _known_building(name: str, settings: SyntheticScene) -> None:
     if settings.building not in PLACES:
         known = ", ".join(PLACES)
-        raise InputError(f"no building is named '{settings.building}'; there are: {known}")
+        raise InputError(
+            f"scene '{name}': no building is named '{settings.building}'; there are: {known}"
+        )
 
 
 def _examine_files(

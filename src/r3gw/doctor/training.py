@@ -1,41 +1,68 @@
-"""What the trainings of a scene will take: Gaussians, time, memory; does it fit this machine?"""
+"""What the trainings of a scene will take: Gaussians, time, memory; does it fit this machine?
+
+Loads no PyTorch, so that looking at a run costs a fraction of a second.
+"""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
+from pydantic import Field
 
 from r3gw.doctor.cost import Cost, predicted_cost, spoken_time
 from r3gw.doctor.findings import Findings
-from r3gw.gaussians.initial import load_initial
-from r3gw.scene import Scene
+from r3gw.files import InputError
 from r3gw.settings import TrainSettings
+from r3gw.settings.validation import Strict, read_yaml, validated
 
-Runs = Mapping[tuple[str, int], TrainSettings]
+
+class SceneSize(Strict):
+    """What of a scene decides the cost of its trainings.
+
+    Attributes:
+        foreground, sky: Initial Gaussians.
+        photos: Training photos.
+        photo_pixels: Of all of them together.
+    """
+
+    foreground: int = Field(ge=0)
+    sky: int = Field(ge=0)
+    photos: int = Field(gt=0)
+    photo_pixels: int = Field(gt=0)
+
+    @property
+    def gaussians(self) -> int:
+        """Initial Gaussians."""
+        return self.foreground + self.sky
 
 
-def describe_training(scene: Scene, initial: Path, runs: Runs, findings: Findings) -> None:
+def read_size(record: Path) -> SceneSize:
+    """Size of a scene from the record that ``doctor-scene`` wrote.
+
+    Raises:
+        InputError: If the record is missing or holds no size.
+    """
+    content = read_yaml(record)
+    if "size" not in content:
+        raise InputError(f"{record}: holds no size of the scene; run doctor-scene again")
+    return validated(SceneSize, content["size"], str(record))
+
+
+def describe_training(size: SceneSize, runs: Sequence[TrainSettings], findings: Findings) -> None:
     """Predict Gaussians, time and memory of a scene's runs.
 
     Args:
-        scene: The imported scene.
-        initial: Its ``initial.npz``.
-        runs: Settings by variant and seed.
+        size: Of the scene.
+        runs: Settings of each, at least one.
         findings: Gets the facts, and a problem where memory does not suffice.
     """
-    points = findings.attempt(lambda: load_initial(initial))
-    train = scene.split("train")
-    if points is None or not train or not runs:
-        return
-    foreground, sky = len(points.foreground), len(points.sky_angles)
-    most = max(settings.density.max_gaussians for settings in runs.values())
+    first = size.gaussians
+    most = max(settings.density.max_gaussians for settings in runs)
     findings.facts["Gaussians"] = (
-        f"start with {foreground + sky:,} ({foreground:,} foreground, {sky:,} sky), "
-        f"at most {max(most, foreground + sky):,}"
+        f"start with {first:,} ({size.foreground:,} foreground, {size.sky:,} sky), "
+        f"at most {max(most, first):,}"
     )
-    pixels = [view.width * view.height for view in train]
-    costs = [_cost(settings, foreground + sky, pixels) for settings in runs.values()]
+    costs = [_cost(settings, size) for settings in runs]
     longest, largest = max(c.seconds for c in costs), max(c.memory_mb for c in costs)
     total = spoken_time(sum(cost.seconds for cost in costs))
     all_of_them = f", {total} for all {len(costs)}" if len(costs) > 1 else ""
@@ -50,11 +77,10 @@ def describe_training(scene: Scene, initial: Path, runs: Runs, findings: Finding
         )
 
 
-def _cost(settings: TrainSettings, first: int, pixels: list[int]) -> Cost:
-    last = max(first, settings.density.max_gaussians)
-    return predicted_cost(
-        settings.iterations, first, last, float(np.mean(pixels)), int(np.sum(pixels))
-    )
+def _cost(settings: TrainSettings, size: SceneSize) -> Cost:
+    last = max(size.gaussians, settings.density.max_gaussians)
+    pixels = size.photo_pixels / size.photos
+    return predicted_cost(settings.iterations, size.gaussians, last, pixels, size.photo_pixels)
 
 
 def physical_memory_mb() -> float:

@@ -61,5 +61,5 @@ def photo_light(
     if photo not in model.photos:
         known = ", ".join(model.photos)
         raise InputError(f"the model has no light of a photo '{photo}'; it was trained on: {known}")
-    light, sky = model.appearance(model.photos.index(photo))
+    light, sky, _ = model.appearance(model.photos.index(photo))
     return light, sky

@@ -189,8 +189,22 @@ def published_light(bench: Bench, view: View, entry: EvaluationEntry) -> Float[T
     """SH light of the view's LDR map at sun angle 0 (data.md E).
 
     Raises:
-        InputError: If the map is unreadable or the initial rotation turns about y or z, for
-            which no published order exists.
+        InputError: If the map is unreadable or its initial rotation is not about x alone.
+    """
+    bright = envmap.brightened(
+        envmap.read_env_map(bench.scene_folder / entry.env_map), entry.threshold, entry.scale
+    )
+    height, width = bright.shape[:2]
+    turn_rad = published_turn_rad(view, entry)
+    directions = envmap.published_directions(height, width, turn_rad, 0.0)
+    return envmap.project(bright, directions, bench.light_degree)
+
+
+def published_turn_rad(view: View, entry: EvaluationEntry) -> float:
+    """Initial rotation of the view's map, about x.
+
+    Raises:
+        InputError: If it turns about y or z, for which no published order exists.
     """
     x, y, z = entry.rotation_rad
     if y != 0 or z != 0:
@@ -198,12 +212,7 @@ def published_light(bench: Bench, view: View, entry: EvaluationEntry) -> Float[T
             f"view '{view.name}': initial_env_map_rotation has y={y:g} and z={z:g}; the published "
             "protocol turns about x alone, so set both to 0 and widen sun_angles instead"
         )
-    bright = envmap.brightened(
-        envmap.read_env_map(bench.scene_folder / entry.env_map), entry.threshold, entry.scale
-    )
-    height, width = bright.shape[:2]
-    directions = envmap.published_directions(height, width, x, 0.0)
-    return envmap.project(bright, directions, bench.light_degree)
+    return x
 
 
 def at_sun_angle(light: Float[Tensor, "coeff 3"], angle_rad: float) -> Float[Tensor, "coeff 3"]:

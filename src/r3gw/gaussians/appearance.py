@@ -1,32 +1,35 @@
 """Per-photo light and sky colour: an embedding and an MLP (paper, Eq. 3 and appendix)."""
 
 from collections.abc import Sequence
-from math import isqrt, pi, sqrt
+from math import sqrt
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
+from r3gw.gaussians.outdoor import OpenSky, OutdoorLight
 from r3gw.gaussians.sky import SKY_DEGREE
-from r3gw.lighting import sh
-from r3gw.settings.train import InitSettings, ModelSettings
+from r3gw.lighting import outdoor, sh
+from r3gw.settings.train import ModelSettings
 
 # Factor on the last layers' first weights: all photos start with nearly the same, uniform light.
 FIRST_VARIATION = 0.1
 
 
-def first_light(init: InitSettings, degree: int) -> Float[Tensor, "coeff"]:
-    """SH coefficients of an even sky over even ground, as far as bands 0 and 1 show them.
+class PhotoLight(NamedTuple):
+    """What lights one photo.
 
-    The mean radiance is ``light_radiance``, the ground has ``light_below`` times the sky's.
+    Attributes:
+        light: SH environment light, linear.
+        sky_light: Coefficients of the sky's colour (Eq. 11).
+        open_sky: What lies above the horizon, where that is modelled on its own.
     """
-    light = torch.zeros(sh.num_coefficients(degree))
-    light[0] = init.light_radiance * sqrt(4 * pi)
-    # Half the step at the horizon, times the integral of |cos| over the sphere; up is -y.
-    step = init.light_radiance * (1 - init.light_below) / (1 + init.light_below)
-    light[1] = -step * 2 * pi * sqrt(3 / (4 * pi))
-    return light
+
+    light: Float[Tensor, "coeff 3"]
+    sky_light: Float[Tensor, "4 3"]
+    open_sky: OpenSky | None
 
 
 class Appearance(nn.Module):
@@ -40,15 +43,16 @@ class Appearance(nn.Module):
         self,
         rows: Sequence[int],
         settings: ModelSettings,
-        init: InitSettings,
+        first_light: Float[Tensor, "coeff 3"] | OutdoorLight,
         generator: torch.Generator,
     ) -> None:
-        """Start at the light of `first_light` with small random variation.
+        """Start at a first light with small random variation.
 
         Args:
             rows: Which embedding each photo uses, from 0 on without gaps.
             settings: Sizes, noise and dropout.
-            init: The first light.
+            first_light: SH coefficients that all photos start from and may leave freely, or sun and
+                sky, which the MLP then changes.
             generator: Draws the first weights.
         """
         super().__init__()
@@ -56,6 +60,8 @@ class Appearance(nn.Module):
         num_rows = max(rows) + 1
         hidden = settings.hidden_size
         self.light_noise = settings.light_noise
+        self.outdoor = first_light if isinstance(first_light, OutdoorLight) else None
+        degree = settings.light_degree if self.outdoor is None else outdoor.SKY_DEGREE
         self.embedding = nn.Parameter(
             torch.randn(num_rows, settings.embedding_size, generator=generator)
         )
@@ -76,25 +82,24 @@ class Appearance(nn.Module):
         self.light_head = nn.Sequential(
             nn.Linear(hidden, settings.light_hidden_size),
             nn.ReLU(),
-            nn.Linear(settings.light_hidden_size, 3 * sh.num_coefficients(settings.light_degree)),
+            nn.Linear(settings.light_hidden_size, 3 * sh.num_coefficients(degree)),
         )
         self._linear_layers = tuple(m for m in self.modules() if isinstance(m, nn.Linear))
-        self._initialise(init, generator)
+        self._initialise(generator)
+        if isinstance(first_light, Tensor):
+            with torch.no_grad():
+                self._linear_layers[-1].bias.copy_(first_light.reshape(-1))
 
     @torch.no_grad()
-    def _initialise(self, init: InitSettings, generator: torch.Generator) -> None:
+    def _initialise(self, generator: torch.Generator) -> None:
         for layer in self._linear_layers:
             nn.init.kaiming_uniform_(layer.weight, a=sqrt(5), generator=generator)
             layer.bias.zero_()
-        last = self.light_head[-1]
-        assert isinstance(last, nn.Linear)  # for the type checker
-        degree = isqrt(len(last.bias) // 3) - 1
-        last.bias.copy_(first_light(init, degree)[:, None].expand(-1, 3).reshape(-1))
-        for head in (last, self.sky_head):
+        for head in (self._linear_layers[-1], self.sky_head):
             head.weight.mul_(FIRST_VARIATION)
 
-    def forward(self, photo: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
-        """Light ``[(degree+1)**2, 3]`` and sky ``[4, 3]`` of one training photo, without noise."""
+    def forward(self, photo: int) -> PhotoLight:
+        """What lights one training photo, without noise."""
         layers, dropout, factors = self._linear_layers, self._dropout, None
         if self.training and dropout.p > 0:
             factors = dropout(torch.ones_like(layers[0].bias))
@@ -106,9 +111,11 @@ class Appearance(nn.Module):
             [layer.weight for layer in layers],
             [layer.bias for layer in layers],
         )
-        if self.log_exposure is not None:
-            light = light * self.log_exposure[photo].exp()
-        return light, sky
+        exposure = torch.ones(()) if self.log_exposure is None else self.log_exposure[photo].exp()
+        if self.outdoor is not None:
+            light, open_sky = self.outdoor(self.rows[photo], light, exposure)
+            return PhotoLight(light, sky, open_sky)
+        return PhotoLight(light if self.log_exposure is None else light * exposure, sky, None)
 
     def noisy(
         self, light: Float[Tensor, "coeff 3"], generator: torch.Generator

@@ -1,21 +1,26 @@
 """The whole learned scene and its file, ``model.pt``."""
 
 from dataclasses import dataclass
+from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
 import torch
+from jaxtyping import Float
+from torch import Tensor
 
 from r3gw.files import InputError, atomic_path
 from r3gw.gaussians.appearance import Appearance
 from r3gw.gaussians.foreground import initial_foreground
 from r3gw.gaussians.initial import InitialPoints
+from r3gw.gaussians.outdoor import OutdoorLight
 from r3gw.gaussians.rows import OCCLUSION, Rows
 from r3gw.gaussians.sky import Sky, SkyDome
 from r3gw.lighting import sh
+from r3gw.lighting.outdoor import SKY_DEGREE
 from r3gw.settings import TrainSettings
 
-FILE_VERSION = 2
+FILE_VERSION = 3
 
 
 @dataclass
@@ -50,6 +55,7 @@ def initial_model(
     photos: tuple[str, ...],
     settings: TrainSettings,
     sessions: tuple[str, ...] | None = None,
+    first_skies: Float[Tensor, "s 4 3"] | None = None,
 ) -> SceneModel:
     """Build the model that training starts from.
 
@@ -58,6 +64,7 @@ def initial_model(
         photos: Names of the training photos.
         settings: The settings of the run.
         sessions: The photos' sessions; by default each photo is a session of its own.
+        first_skies: One per row of `light_rows`: where an outdoor light starts; even by default.
     """
     sessions = photos if sessions is None else sessions
     generator = torch.Generator().manual_seed(settings.seed)
@@ -65,7 +72,7 @@ def initial_model(
     if not settings.model.separate_sky:
         points = torch.cat([points, initial.sky_points()])
         angles = angles[:0]
-    appearance = _appearance(sessions, settings, generator)
+    appearance = _appearance(sessions, settings, generator, first_skies)
     foreground = initial_foreground(points, settings.init)
     if settings.occlusion.enabled:
         size = sh.num_coefficients(settings.model.light_degree)
@@ -80,15 +87,38 @@ def initial_model(
     )
 
 
+def light_rows(sessions: tuple[str, ...], settings: TrainSettings) -> list[int]:
+    """Which embedding each photo uses: its own, or its session's if the settings share light."""
+    if not settings.model.share_session_light:
+        return list(range(len(sessions)))
+    known = list(dict.fromkeys(sessions))
+    return [known.index(session) for session in sessions]
+
+
+def even_light(radiance: float, degree: int) -> Float[Tensor, "coeff 3"]:
+    """SH coefficients of the same radiance everywhere."""
+    light = torch.zeros(sh.num_coefficients(degree), 3)
+    light[0] = radiance * sqrt(4 * pi)
+    return light
+
+
 def _appearance(
-    sessions: tuple[str, ...], settings: TrainSettings, generator: torch.Generator
+    sessions: tuple[str, ...],
+    settings: TrainSettings,
+    generator: torch.Generator,
+    first_skies: Float[Tensor, "s 4 3"] | None = None,
 ) -> Appearance:
-    """One embedding per photo, or one per session if the settings share light."""
-    rows = list(range(len(sessions)))
-    if settings.model.share_session_light:
-        known = list(dict.fromkeys(sessions))
-        rows = [known.index(session) for session in sessions]
-    return Appearance(rows, settings.model, settings.init, generator)
+    rows, degree = light_rows(sessions, settings), settings.model.light_degree
+    if not settings.outdoor.enabled:
+        first = even_light(settings.init.light_radiance, degree)
+        return Appearance(rows, settings.model, first, generator)
+    if first_skies is None:
+        first_skies = even_light(settings.init.light_radiance, SKY_DEGREE).repeat(
+            max(rows) + 1, 1, 1
+        )
+    power, reflectance = settings.outdoor.sun_power, settings.outdoor.ground_reflectance
+    light = OutdoorLight(first_skies, power, reflectance, degree)
+    return Appearance(rows, settings.model, light, generator)
 
 
 def model_content(model: SceneModel) -> dict[str, Any]:

@@ -1,14 +1,13 @@
-"""Losses on a learned light: nowhere negative (Eq. 12); from below comes what the ground sends."""
+"""Losses on a learned light: nowhere negative (Eq. 12); its sky looks as in the photo."""
 
 from math import pi
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.lighting import sh
-from r3gw.lighting.irradiance import irradiance
 
 
 def random_directions(
@@ -30,19 +29,20 @@ def positivity_loss(
     return negative.square().sum(-1).mean()
 
 
-def ground_loss(
-    light: Float[Tensor, "coeff 3"], directions: Float[Tensor, "m 3"], reflectance: float
+def visible_sky_loss(
+    open_sky: Float[Tensor, "coeff 3"],
+    directions: Float[Tensor, "k 3"],
+    radiance: Float[Tensor, "k 3"],
+    is_clipped: Bool[Tensor, "k 3"],
 ) -> Float[Tensor, ""]:
-    """Squared distance of the light from below to that of level ground (beyond the paper).
-
-    Level, matt ground of irradiance E sends ``reflectance / pi * E`` everywhere. Without this,
-    photos leave open how much light comes from below, and how much the surfaces reflect.
+    """Mean squared distance of a learned sky from what the photo shows of it (beyond the paper).
 
     Args:
-        light: SH coefficients.
-        directions: Below the horizon.
-        reflectance: Of the ground, 0 to 1.
+        open_sky: SH radiance above the horizon.
+        directions: Unit vectors.
+        radiance: Linear, as the photo shows it.
+        is_clipped: Where ``radiance`` is a lower bound: only a darker sky counts.
     """
-    up = light.new_tensor([[0.0, -1.0, 0.0]])
-    ground = reflectance / pi * irradiance(light, up)
-    return (sh.radiance(light, directions) - ground).square().sum(-1).mean()
+    missing = radiance - sh.radiance(open_sky, directions)
+    missing = torch.where(is_clipped, missing.clamp_min(0.0), missing)
+    return missing.square().sum(-1).mean()

@@ -13,6 +13,7 @@ from r3gw.settings.config import (
     run_settings,
 )
 from r3gw.settings.masks import LabelClasses, MaskSources, NetworkSettings
+from r3gw.settings.study import StudySettings
 from r3gw.settings.train import TrainSettings, load_train_settings
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "NetworkSettings",
     "PhotosScene",
     "SceneSettings",
+    "StudySettings",
     "SyntheticScene",
     "TrainSettings",
     "load_config",

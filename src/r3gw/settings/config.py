@@ -8,6 +8,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from r3gw.files import InputError
 from r3gw.settings.masks import MaskSources, SkyMasks
+from r3gw.settings.study import StudySettings
 from r3gw.settings.train import TrainSettings
 from r3gw.settings.validation import Strict, read_yaml, validated
 
@@ -99,7 +100,8 @@ class AblationSettings(Strict):
 class Config(Strict):
     """The whole of config.yaml.
 
-    ``train`` holds changes to config/train.yaml that every variant of this run shares.
+    ``train`` holds changes to config/train.yaml that every variant of this run shares; ``study``
+    is for ``snakemake study`` alone.
     """
 
     scenes: dict[SceneName, SceneSettings] = Field(min_length=1)
@@ -107,6 +109,19 @@ class Config(Strict):
     seeds: list[int] = Field(min_length=1)
     ablations: AblationSettings
     train: dict[str, Any] = Field(default_factory=dict)
+    study: StudySettings | None = None
+
+    @property
+    def all_variants(self) -> list[str]:
+        """Every variant that a target of the workflow may train, sorted."""
+        studied = [] if self.study is None else self.study.variants
+        return sorted({*self.variants, *self.ablations.variants, *studied})
+
+    @property
+    def all_seeds(self) -> list[int]:
+        """Every seed that a target of the workflow may train, sorted."""
+        studied = [] if self.study is None else self.study.seeds
+        return sorted({*self.seeds, *self.ablations.seeds, *studied})
 
 
 def load_config(values: Mapping[str, Any], source: str = "config") -> Config:
@@ -138,22 +153,43 @@ def run_settings(
 ) -> TrainSettings:
     """Resolve one run: train.yaml, then the config's ``train``, then the variant, then the seed.
 
+    A change of the config's study is a variant too: it comes on top of the study's baseline.
+
     Raises:
         InputError: If the variant is unknown or any resolved key is unknown or out of range.
     """
-    variants = read_yaml(variants_file)
-    if variant not in variants:
-        known = ", ".join(variants)
-        raise InputError(f"{variants_file}: no variant named '{variant}'; there are: {known}")
-    if "sky" in (variants[variant] or {}):
-        raise InputError(
-            f"{variants_file}: variant '{variant}' changes 'sky', but all runs of a scene share "
-            "their initial points; change 'sky' under 'train' in config.yaml"
-        )
     values = read_yaml(train_file)
-    for changes in (config.train, variants[variant] or {}, {"seed": seed}):
+    for changes in (config.train, *_variant(config, variant, variants_file), {"seed": seed}):
         values = _merged(values, changes)
     return validated(TrainSettings, values, f"settings of variant '{variant}'")
+
+
+def _variant(config: Config, name: str, variants_file: Path) -> list[Mapping[str, Any]]:
+    """What a variant changes, in the order in which it does."""
+    shared = read_yaml(variants_file)
+    own = {} if config.study is None else config.study.changes
+    if taken := [each for each in own if each in shared]:
+        raise InputError(
+            f"study: the change '{taken[0]}' has the name of a variant in {variants_file}; "
+            "call it something else"
+        )
+    if config.study is None or name not in own:
+        return [_changes_of(shared, name, str(variants_file))]
+    baseline = _changes_of(shared, config.study.baseline, str(variants_file))
+    return [baseline, _changes_of(own, name, "study")]
+
+
+def _changes_of(variants: Mapping[str, Any], name: str, source: str) -> Mapping[str, Any]:
+    """What one variant changes; an InputError if there is none, or if it may not change that."""
+    if name not in variants:
+        raise InputError(f"{source}: no variant named '{name}'; there are: {', '.join(variants)}")
+    changes: Mapping[str, Any] = variants[name] or {}
+    if "sky" in changes:
+        raise InputError(
+            f"{source}: variant '{name}' changes 'sky', but all runs of a scene share "
+            "their initial points; change 'sky' under 'train' in config.yaml"
+        )
+    return changes
 
 
 def _merged(base: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -29,7 +29,6 @@ class InitSettings(Strict):
     roughness: float = Field(gt=0, lt=1)
     albedo: float = Field(gt=0, lt=1)
     light_radiance: float = Field(gt=0)
-    light_below: float = Field(ge=0, le=1)
 
 
 class RateSettings(Strict):
@@ -62,8 +61,6 @@ class WeightSettings(Strict):
     sky_depth_gamma: float = Field(gt=0)
     light_directions: int = Field(ge=1)
     light_domain: str = Field(pattern="^(hemisphere|sphere)$")
-    ground: float = Field(ge=0)
-    ground_reflectance: float = Field(ge=0, le=1)
 
 
 class DensitySettings(Strict):
@@ -105,6 +102,17 @@ class OcclusionSettings(Strict):
     neighbours: int = Field(ge=1)
 
 
+class OutdoorSettings(Strict):
+    """Sun, sky and ground instead of free light (r3gw.lighting.outdoor); not in the paper."""
+
+    enabled: bool
+    ground_reflectance: float = Field(ge=0, le=1)
+    sun_power: float = Field(gt=0)
+    sun_rate: float = Field(gt=0)
+    visible_sky: float = Field(ge=0)
+    sky_gradient: float = Field(ge=0)
+
+
 class TrainSettings(Strict):
     """Everything that changes the result of one training."""
 
@@ -120,6 +128,7 @@ class TrainSettings(Strict):
     density: DensitySettings
     sky: SkySettings
     occlusion: OcclusionSettings
+    outdoor: OutdoorSettings
 
 
 def load_train_settings(path: Path) -> TrainSettings:

@@ -57,7 +57,8 @@ def _first_error(error: ValidationError, model: type[BaseModel]) -> str:
     key = ".".join(str(part) for part in first["loc"]) or "(whole file)"
     if first["type"] == "extra_forbidden":
         wrong = str(first["loc"][-1])
-        near = get_close_matches(wrong, _all_keys(model), n=1, cutoff=0.6)
+        # The key may be right elsewhere: `study.seed`, where `seeds` is meant.
+        near = get_close_matches(wrong, _all_keys(model) - {wrong}, n=1, cutoff=0.6)
         hint = f"; did you mean '{near[0]}'?" if near else "; remove it or see config/README.md"
         return f"unknown key '{key}'{hint}"
     if first["type"] == "missing":

@@ -6,11 +6,12 @@ from torch import Tensor
 
 from r3gw.gaussians.compose import Rendering, render
 from r3gw.gaussians.model import SceneModel
+from r3gw.gaussians.outdoor import OpenSky
 from r3gw.losses.known_gradient import KnownLoss, sum_of
-from r3gw.losses.lighting import ground_loss, random_directions
+from r3gw.losses.lighting import random_directions, visible_sky_loss
 from r3gw.losses.picture import PictureWeights, picture_losses
 from r3gw.losses.regularisers import flatness_loss, positivity_loss, sky_depth_loss
-from r3gw.settings.train import WeightSettings
+from r3gw.settings.train import OutdoorSettings, WeightSettings
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
 
@@ -34,7 +35,7 @@ def objective(
         generator: Light noise and positivity directions.
     """
     weights = model.settings.weights
-    light, sky_light = model.appearance(index)
+    light, sky_light, open_sky = model.appearance(index)
     noisy = model.appearance.noisy(light, generator)
     rendering = render(model, photo.camera, noisy, sky_light)
     acting = acting_weights(weights, schedule, iteration)
@@ -59,11 +60,9 @@ def objective(
         known.append(loss)
         parts[name] = loss.value
 
-    directions = random_directions(weights.light_directions, weights.light_domain, generator)
-    add("light", positivity_loss(light, directions, weights.light))
-    below = None
-    if weights.ground > 0:
-        below = -random_directions(weights.light_directions, "hemisphere", generator)
+    if open_sky is None:
+        directions = random_directions(weights.light_directions, weights.light_domain, generator)
+        add("light", positivity_loss(light, directions, weights.light))
     splats, radii_px = rendering.splats, rendering.radii_px
     if weights.sky_depth > 0:
         num_foreground, gamma = len(model.foreground), weights.sky_depth_gamma
@@ -72,11 +71,25 @@ def objective(
     if iteration > schedule.geometry_losses_from:
         add("scale", flatness_loss(splats.smallest_scales, radii_px, weights.scale))
     total = sum_of(known)
-    if below is not None:
-        ground = weights.ground * ground_loss(light, below, weights.ground_reflectance)
-        parts["ground"] = float(ground.detach())
-        total = total + ground
+    if open_sky is not None:
+        outdoor = open_sky_loss(open_sky, photo, model.settings.outdoor)
+        parts["light"] = float(outdoor.detach())
+        total = total + outdoor
     return rendering, total, parts
+
+
+def open_sky_loss(open_sky: OpenSky, photo: Photo, settings: OutdoorSettings) -> Float[Tensor, ""]:
+    """What keeps the sky near what its photo shows, its gradient near the first (not in the paper).
+
+    It stands in for the positivity loss: a point sun in SH of degree 4 is negative in places.
+    """
+    steady = settings.sky_gradient * open_sky.change[1:].square().sum()
+    if photo.seen_sky is None:
+        return steady
+    seen = photo.seen_sky
+    return steady + settings.visible_sky * visible_sky_loss(
+        open_sky.radiance, seen.directions, seen.radiance, seen.is_clipped
+    )
 
 
 def acting_weights(weights: WeightSettings, schedule: Schedule, iteration: int) -> PictureWeights:

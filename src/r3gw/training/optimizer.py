@@ -36,8 +36,12 @@ def make_optimizer(model: SceneModel) -> torch.optim.Adam:
     groups.append({"name": "sky.radius", "params": [model.sky.radius]})
     for group in groups:
         group["lr"] = by_name[str(group["name"])]
-    embedding = model.appearance.embedding
-    mlp = [p for p in model.appearance.parameters() if p is not embedding]
+    embedding, outdoor = model.appearance.embedding, model.appearance.outdoor
+    if outdoor is not None:
+        rate = model.settings.outdoor.sun_rate * slow
+        groups.append({"name": "sun", "params": list(outdoor.parameters()), "lr": rate})
+    apart = {id(p) for group in groups for p in group["params"]} | {id(embedding)}
+    mlp = [p for p in model.appearance.parameters() if id(p) not in apart]
     groups.append({"name": "embedding", "params": [embedding], "lr": rates.embedding * slow})
     groups.append({"name": "mlp", "params": mlp, "lr": rates.mlp * slow})
     return torch.optim.Adam(groups, eps=EPSILON, fused=True)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import torch
 from jaxtyping import Bool, Float, UInt8
 from torch import Tensor
@@ -11,7 +12,8 @@ from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_rgb
 from r3gw.masks import load_masks
-from r3gw.scene import Scene
+from r3gw.scene import Scene, View
+from r3gw.training.visible_sky import VisibleSky, visible_sky
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,7 @@ class Photo:
         planes: Display values, 0 to 255, one plane per channel.
         is_valid: False on occluders.
         is_sky: True on sky.
+        seen_sky: Some of its sky pixels; None if it shows hardly any.
     """
 
     name: str
@@ -31,10 +34,27 @@ class Photo:
     planes: UInt8[Tensor, "3 h w"]
     is_valid: Bool[Tensor, "h w"]
     is_sky: Bool[Tensor, "h w"]
+    seen_sky: VisibleSky | None = None
 
     def target(self) -> Float[Tensor, "h w 3"]:
         """Display values in [0, 1]."""
         return self.planes.permute(1, 2, 0).float() / 255.0
+
+
+def read_photo(view: View, scene_folder: Path) -> UInt8[np.ndarray, "h w 3"]:
+    """Read the photo of a view, display values.
+
+    Raises:
+        InputError: If the file is missing, unreadable or of the wrong size.
+    """
+    path = scene_folder / view.image
+    pixels = read_rgb(path)
+    if pixels.shape[:2] != (view.height, view.width):
+        raise InputError(
+            f"{path}: {pixels.shape[1]}x{pixels.shape[0]} px, but scene.json says "
+            f"{view.width}x{view.height} px; import the scene again"
+        )
+    return pixels
 
 
 def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Photo]:
@@ -45,21 +65,17 @@ def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Ph
     """
     photos = []
     for view in scene.split("train"):
-        path = scene_folder / view.image
-        pixels = read_rgb(path)
-        if pixels.shape[:2] != (view.height, view.width):
-            raise InputError(
-                f"{path}: {pixels.shape[1]}x{pixels.shape[0]} px, but scene.json says "
-                f"{view.width}x{view.height} px; import the scene again"
-            )
-        is_valid, is_sky = load_masks(masks_folder, view)
+        pixels = read_photo(view, scene_folder)
+        is_valid, is_sky = map(torch.from_numpy, load_masks(masks_folder, view))
+        planes = torch.from_numpy(pixels).permute(2, 0, 1).contiguous()
         photos.append(
             Photo(
                 view.name,
                 view.camera,
-                torch.from_numpy(pixels).permute(2, 0, 1).contiguous(),
-                torch.from_numpy(is_valid),
-                torch.from_numpy(is_sky),
+                planes,
+                is_valid,
+                is_sky,
+                visible_sky(view.camera, planes, is_sky & is_valid),
             )
         )
     if not photos:

@@ -1,22 +1,30 @@
-# The doctor: what would fail later is said before hours of CPU go into it. The two gates become
-# stale only together with what they guard, so a new check makes nothing again; they take no code as
-# input for the same reason. The page is a leaf. High priorities let all of them run early.
+# The doctor: what would fail later is said before hours of CPU go into it. Before the first job, all
+# sources are looked at in one go, so that a mistake in one scene starts no other. This is no rule: an
+# edge from one scene to another would make the other stale, and `ancient()` would hide what really is
+# stale (Snakemake 9 does not ask jobs below a job that runs whether they have a reason of their own).
+# The gates of a scene and of a run become stale only together with what they guard, so a new check
+# makes nothing again; they take no code as input for the same reason. The page is a leaf. High
+# priorities let all of them run as early as they can.
 
 
-rule check_source:
+onstart:
+    refuse_broken_sources()
+
+
+rule doctor_source:
     output:
         "results/{scene}/checked_source.json",
     log:
-        "logs/check_source/{scene}.log",
+        "logs/doctor_source/{scene}.log",
     priority: 100
     params:
-        entry=entry_json,
+        entries=entry_by_name_json,
     shell:
-        "python -m r3gw check-source --scene {wildcards.scene} --entry {params.entry:q}"
+        "python -m r3gw doctor-sources --entries {params.entries:q}"
         " --target {output} 2>&1 | tee {log} >&2"
 
 
-rule check_scene:
+rule doctor_scene:
     input:
         scene="results/{scene}/scene/scene.json",
         masks="results/{scene}/masks/masks.json",
@@ -24,10 +32,26 @@ rule check_scene:
     output:
         "results/{scene}/checked.json",
     log:
-        "logs/check_scene/{scene}.log",
+        "logs/doctor_scene/{scene}.log",
     priority: 100
     shell:
-        "python -m r3gw check-scene --scene {wildcards.scene} --results results"
+        "python -m r3gw doctor-scene --scene {wildcards.scene} --results results"
+        " --target {output} 2>&1 | tee {log} >&2"
+
+
+rule doctor_run:
+    input:
+        checked="results/{scene}/checked.json",
+        settings="results/{scene}/{variant}/seed{seed}/settings.json",
+    output:
+        "results/{scene}/{variant}/seed{seed}/checked.json",
+    log:
+        "logs/doctor_run/{scene}.{variant}.seed{seed}.log",
+    priority: 100
+    shell:
+        "python -m r3gw doctor-run"
+        " --name {wildcards.scene}/{wildcards.variant}/seed{wildcards.seed}"
+        " --checked {input.checked} --settings {input.settings}"
         " --target {output} 2>&1 | tee {log} >&2"
 
 
