@@ -1,7 +1,5 @@
 """Losses on a learned light: nowhere negative (Eq. 12); its sky looks as in the photo."""
 
-from math import pi
-
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
