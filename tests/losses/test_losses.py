@@ -7,6 +7,7 @@ import torch
 
 from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.geometry.rotations import rotation_about_axis
+from r3gw.geometry.spherical import direction_from_angles
 from r3gw.lighting import sh
 from r3gw.losses.geometry import normal_loss, normals_from_depth, scale_loss
 from r3gw.losses.lighting import positivity_loss, random_directions, visible_sky_loss
@@ -61,6 +62,15 @@ def test_reconstruction_is_the_weighted_sum(pictures):
     torch.testing.assert_close(
         reconstruction_loss(a, b, EVERYWHERE, 0.2), expected, rtol=1e-6, atol=0
     )
+
+
+@pytest.mark.parametrize("domain", ["hemisphere", "sphere"])
+def test_directions_are_those_of_the_drawn_angles(domain):
+    height, turn = torch.rand(2, 500, generator=torch.Generator().manual_seed(4)).double()
+    height = 2 * height - 1 if domain == "sphere" else height
+    expected = direction_from_angles(torch.acos(height), 2 * pi * turn)
+    found = random_directions(500, domain, torch.Generator().manual_seed(4))
+    torch.testing.assert_close(found.double(), expected, rtol=0, atol=1e-6)
 
 
 def test_directions_cover_the_upper_hemisphere_uniformly():

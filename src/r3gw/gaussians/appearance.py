@@ -121,4 +121,5 @@ class Appearance(nn.Module):
         self, light: Float[Tensor, "coeff 3"], generator: torch.Generator
     ) -> Float[Tensor, "coeff 3"]:
         """Add the training noise to light coefficients."""
-        return light + self.light_noise * torch.randn(light.shape, generator=generator)
+        noise = torch.randn(light.shape, generator=generator)
+        return torch.add(light, noise, alpha=self.light_noise)

@@ -96,9 +96,8 @@ class Sky(nn.Module):
     def clamp_to_dome(self) -> None:
         """Put angles and radius back into their ranges; called after every optimizer step."""
         self.radius.clamp_(min=SMALLEST_RADIUS)
-        theta, phi = self.rows["angles"].unbind(-1)
-        theta.clamp_(0.0, pi / 2)
-        phi.clamp_(*self.azimuth_rad.tolist())
+        first, last = self.azimuth_rad.tolist()
+        self.rows["angles"].clamp_(torch.tensor((0.0, first)), torch.tensor((pi / 2, last)))
 
     @torch.no_grad()
     def angles_of(self, positions: Float[Tensor, "n 3"]) -> Float[Tensor, "n 2"]:

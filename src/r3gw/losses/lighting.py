@@ -1,12 +1,10 @@
 """Losses on a learned light: nowhere negative (Eq. 12); its sky looks as in the photo."""
 
-from math import pi
-
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from r3gw.geometry.spherical import direction_from_angles
+import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.lighting import sh
 
 
@@ -14,10 +12,11 @@ def random_directions(
     count: int, domain: str, generator: torch.Generator
 ) -> Float[Tensor, "{count} 3"]:
     """Unit vectors, uniform on the upper ``hemisphere`` (up = -y) or the whole ``sphere``."""
-    height, turn = torch.rand(2, count, generator=generator)
+    draws = torch.rand(2, count, generator=generator)
     if domain == "sphere":
-        height = 2 * height - 1
-    return direction_from_angles(torch.acos(height), 2 * pi * turn)
+        draws[0].mul_(2).sub_(1)
+    directions: Tensor = torch.ops.r3gw.directions(draws)
+    return directions
 
 
 def positivity_loss(

@@ -53,31 +53,14 @@ def rasterize(
         ValueError: For a wrong shape or dtype, and for parameters that are NaN, infinite or out of
             range; the message names the tensor and the number of values.
     """
-    n, channels = len(means), features.shape[-1]
+    channels = features.shape[-1]
     intrinsics = [float(value) for value in intrinsics]
-    validation.check_shapes(
-        {
-            "means": (means, (n, 3)),
-            "quaternions": (quaternions, (n, 4)),
-            "scales": (scales, (n, 3)),
-            "opacities": (opacities, (n,)),
-            "features": (features, (n, None)),
-            "cam_from_world": (cam_from_world, (None, 4)),
-        }
-        | ({} if background is None else {"background": (background, (channels,))})
-    )
-    validation.check_camera(cam_from_world, intrinsics, width, height)
+    parameters = means, quaternions, scales, opacities, features, background
+    view = cam_from_world, intrinsics, width, height
+    if not torch.ops.r3gw.is_usable(*parameters, *view):
+        validation.check(*parameters, *view)
     columns = channels if num_feature_gradients is None else num_feature_gradients
     if not 0 <= columns <= channels:
         raise ValueError(f"num_feature_gradients must be in 0..{channels}, got {columns}")
-    means, quaternions, scales = means.contiguous(), quaternions.contiguous(), scales.contiguous()
-    opacities, features = opacities.contiguous(), features.contiguous()
-    background = None if background is None else background.contiguous()
-    if not torch.ops.r3gw.values_are_usable(means, quaternions, scales, opacities, features):
-        validation.check_gaussians(means, quaternions, scales, opacities, features)
-
-    planes, alpha, radii_px, means2d = torch.ops.r3gw.rasterize(
-        *(means, quaternions, scales, opacities, features, background),
-        *(cam_from_world, intrinsics, width, height, columns),
-    )
+    planes, alpha, radii_px, means2d = torch.ops.r3gw.rasterize(*parameters, *view, columns)
     return RasterResult(planes=planes, alpha=alpha, radii_px=radii_px, means2d=means2d)

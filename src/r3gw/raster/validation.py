@@ -1,6 +1,7 @@
 """Checks of what a caller gives to the rasterizer: one ValueError naming tensor, count and rule.
 
-Shapes are checked here and not by annotations, because a user runs without a type checker.
+Shapes are checked here and not by annotations, because a user runs without a type checker. One pass
+in C++ (`is_usable`) tells whether anything is wrong; what follows says what.
 """
 
 import math
@@ -13,6 +14,36 @@ import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 
 MAX_SIDE_PX = 1 << 16
 _FLOAT32_MAX = torch.finfo(torch.float32).max
+
+
+def check(
+    means: Tensor,
+    quaternions: Tensor,
+    scales: Tensor,
+    opacities: Tensor,
+    features: Tensor,
+    background: Tensor | None,
+    cam_from_world: Tensor,
+    intrinsics: Sequence[float],
+    width: int,
+    height: int,
+) -> None:
+    """Raise ValueError for the first thing that is wrong with a rasterization's arguments."""
+    n = len(means)
+    check_shapes(
+        {
+            "means": (means, (n, 3)),
+            "quaternions": (quaternions, (n, 4)),
+            "scales": (scales, (n, 3)),
+            "opacities": (opacities, (n,)),
+            "features": (features, (n, None)),
+            "cam_from_world": (cam_from_world, (None, 4)),
+        }
+        | ({} if background is None else {"background": (background, (features.shape[-1],))})
+    )
+    check_camera(cam_from_world, intrinsics, width, height)
+    values = (means, quaternions, scales, opacities, features)
+    check_gaussians(*(tensor.contiguous() for tensor in values))
 
 
 def check_shapes(tensors: dict[str, tuple[Tensor, tuple[int | None, ...]]]) -> None:

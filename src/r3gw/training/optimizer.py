@@ -53,22 +53,22 @@ def adam_step(optimizer: torch.optim.Adam) -> None:
     torch calls one per group, and with a dozen groups of small tensors its bookkeeping takes longer
     than the arithmetic. State and groups stay torch's, for densification and checkpoints.
     """
-    lists: list[list[Any]] = [[] for _ in range(6)]
+    values: list[torch.Tensor] = []
+    states: list[dict[str, torch.Tensor]] = []
+    rates: list[float] = []
     for group in optimizer.param_groups:
         for parameter in group["params"]:
-            gradient, parameter.grad = parameter.grad, None
-            if gradient is None:
-                continue
             state = optimizer.state[parameter]
             if not state:
                 state["step"] = torch.zeros(())
                 state["exp_avg"] = torch.zeros_like(parameter, requires_grad=False)
                 state["exp_avg_sq"] = torch.zeros_like(parameter, requires_grad=False)
-            row = (parameter, gradient, state["exp_avg"], state["exp_avg_sq"], state["step"])
-            for values, value in zip(lists, (*row, group["lr"]), strict=True):
-                values.append(value)
+            values.append(parameter)
+            states.append(state)
+            rates.append(group["lr"])
+    lists = [[state[key] for state in states] for key in ("exp_avg", "exp_avg_sq", "step")]
     betas = optimizer.defaults["betas"]
-    torch.ops.r3gw.adam_step(*lists, *betas, optimizer.defaults["eps"])
+    torch.ops.r3gw.adam_step(values, *lists, rates, *betas, optimizer.defaults["eps"])
 
 
 def set_position_rate(

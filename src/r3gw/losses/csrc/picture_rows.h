@@ -60,11 +60,12 @@ class RowRing {
   RowRing(int planes, std::int64_t width)
       : planes_(planes),
         stride_(whole_lanes(width) + 2 * kPad),
-        values_(static_cast<std::size_t>(Rows) * planes * stride_, 0.0f) {}
+        values_(static_cast<std::size_t>(Rows) * planes * stride_ / kLanes) {}
 
-  // First pixel of a row; kPad values before it and after the last one are readable.
+  // First pixel of a row, at a register's boundary; kPad values before it and after the last one are
+  // readable.
   float* row(std::int64_t y, int plane) {
-    return values_.data() + (((y + Rows) % Rows) * planes_ + plane) * stride_ + kPad;
+    return reinterpret_cast<float*>(values_.data()) + (((y + Rows) % Rows) * planes_ + plane) * stride_ + kPad;
   }
 
   void clear(std::int64_t y) {
@@ -74,7 +75,7 @@ class RowRing {
  private:
   int planes_;
   std::int64_t stride_;
-  std::vector<float> values_;
+  std::vector<Lanes> values_;  // Registers, so that a row's loads never straddle cache lines.
 };
 
 }  // namespace r3gw

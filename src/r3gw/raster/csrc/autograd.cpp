@@ -97,12 +97,16 @@ std::vector<Tensor> rasterize(const Tensor& means, const Tensor& quaternions, co
                               const Tensor& cam_from_world, at::ArrayRef<double> intrinsics,
                               std::int64_t width, std::int64_t height, std::int64_t columns) {
   const View view{cam_from_world, intrinsics.vec(), width, height};
-  const variable_list projected = Project::apply(means, quaternions, scales, opacities, view);
+  const Tensor opacity = opacities.contiguous();
+  const variable_list projected = Project::apply(means.contiguous(), quaternions.contiguous(),
+                                                 scales.contiguous(), opacity, view);
   const Tensor &means2d = projected[0], &radii = projected[3];
   if (means2d.requires_grad()) means2d.retain_grad();
+  std::optional<Tensor> backdrop;
+  if (background) backdrop = background->contiguous();
   const variable_list drawn =
-      Composite::apply(means2d, projected[1], opacities, features, background, projected[2], radii,
-                       width, height, columns);
+      Composite::apply(means2d, projected[1], opacity, features.contiguous(), backdrop,
+                       projected[2], radii, width, height, columns);
   return {drawn[0], drawn[1], radii, means2d};
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "raster/csrc/parallel.h"
@@ -51,13 +52,16 @@ float* writable(const at::Tensor& tensor, const at::Tensor& like) {
   return tensor.data_ptr<float>();
 }
 
-// Adam (Kingma and Ba, 2015, algorithm 1) on every tensor of a list, in place. Every value is on its
-// own, so threads change nothing.
-void adam_step(at::TensorList values, at::TensorList gradients, at::TensorList means,
-               at::TensorList squares, at::TensorList steps, at::ArrayRef<double> rates,
-               double beta1, double beta2, double epsilon) {
+// Adam (Kingma and Ba, 2015, algorithm 1) on every tensor of a list that has a gradient, in place;
+// takes the gradients away. Every value is on its own, so threads change nothing.
+void adam_step(at::TensorList values, at::TensorList means, at::TensorList squares,
+               at::TensorList steps, at::ArrayRef<double> rates, double beta1, double beta2,
+               double epsilon) {
   std::vector<Block> blocks;
+  std::vector<at::Tensor> gradients;
   for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!values[k].grad().defined()) continue;
+    gradients.push_back(std::move(values[k].mutable_grad()));
     const double step = ++*steps[k].data_ptr<float>();
     // Differences from one in double: in float they would be off by 1e-5.
     const Rule rule{static_cast<float>(1.0 - beta1), static_cast<float>(beta2),
@@ -65,7 +69,8 @@ void adam_step(at::TensorList values, at::TensorList gradients, at::TensorList m
                     static_cast<float>(rates[k] / (1.0 - std::pow(beta1, step))),
                     static_cast<float>(1.0 / std::sqrt(1.0 - std::pow(beta2, step))),
                     static_cast<float>(epsilon)};
-    float *value = writable(values[k], values[k]), *gradient = writable(gradients[k], values[k]);
+    float* value = writable(values[k], values[k]);
+    const float* gradient = writable(gradients.back(), values[k]);
     float *mean = writable(means[k], values[k]), *square = writable(squares[k], values[k]);
     const std::int64_t count = values[k].numel();
     for (std::int64_t at = 0; at < count; at += kValuesPerBlock) {
@@ -79,9 +84,8 @@ void adam_step(at::TensorList values, at::TensorList gradients, at::TensorList m
 }  // namespace
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
-  library.def("adam_step(Tensor(a!)[] values, Tensor[] gradients, Tensor(b!)[] means, "
-              "Tensor(c!)[] squares, Tensor(d!)[] steps, float[] rates, float beta1, float beta2, "
-              "float epsilon) -> ()",
+  library.def("adam_step(Tensor(a!)[] values, Tensor(b!)[] means, Tensor(c!)[] squares, "
+              "Tensor(d!)[] steps, float[] rates, float beta1, float beta2, float epsilon) -> ()",
               &adam_step);
 }
 
