@@ -7,7 +7,7 @@ import torch
 
 from r3gw.lighting import envmap, sh
 from r3gw.lighting.irradiance import irradiance
-from r3gw.lighting.outdoor import outdoor_light
+from r3gw.lighting.outdoor import basis_of_one, outdoor_light
 
 UP = torch.tensor([0.0, -1.0, 0.0])
 GREY = torch.tensor([1.0, 1.0, 1.0])
@@ -67,6 +67,25 @@ def test_level_ground_receives_what_an_even_sky_sends() -> None:
     light = outdoor_light(even_sky(0.5), UP, 0 * GREY, 0.0, 2)
     received = irradiance(light, UP[None])[0]
     torch.testing.assert_close(received, 0.5 * pi * GREY, rtol=0.01, atol=0)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 4])
+def test_basis_of_one_vector_is_the_basis(degree: int) -> None:
+    """Values, and the gradient along the sphere; across it both are free to differ."""
+    generator = torch.Generator().manual_seed(3)
+    for _ in range(20):
+        vector = torch.randn(3, generator=generator).requires_grad_()
+        found, expected = (
+            basis(torch.nn.functional.normalize(vector, dim=0), degree)
+            for basis in (basis_of_one, sh.basis)
+        )
+        torch.testing.assert_close(found, expected, rtol=0, atol=2e-6)
+        pull = torch.randn(found.shape, generator=generator)
+        ours, theirs = (
+            torch.autograd.grad((pull * basis).sum(), vector, retain_graph=True)[0]
+            for basis in (found, expected)
+        )
+        torch.testing.assert_close(ours, theirs, rtol=1e-4, atol=1e-4 * float(theirs.norm()))
 
 
 def test_gradients_agree_with_finite_differences() -> None:

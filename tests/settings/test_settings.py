@@ -15,14 +15,6 @@ def values(repository):
     return copy.deepcopy(read_yaml(repository / "config/config.yaml"))
 
 
-@pytest.fixture
-def files(repository):
-    return {
-        "train_file": repository / "config/train.yaml",
-        "variants_file": repository / "config/variants.yaml",
-    }
-
-
 def test_shipped_configuration_resolves_for_every_variant(values, files):
     config = load_config(values)
     for variant in read_yaml(files["variants_file"]):

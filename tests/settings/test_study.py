@@ -20,14 +20,6 @@ def values(repository):
     return values
 
 
-@pytest.fixture
-def files(repository):
-    return {
-        "train_file": repository / "config/train.yaml",
-        "variants_file": repository / "config/variants.yaml",
-    }
-
-
 def test_a_change_comes_on_top_of_the_baseline(values, files):
     config = load_config(values)
     baseline = run_settings(config, "no_specular", 4, **files)

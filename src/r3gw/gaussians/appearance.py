@@ -111,7 +111,7 @@ class Appearance(nn.Module):
             [layer.weight for layer in layers],
             [layer.bias for layer in layers],
         )
-        exposure = torch.ones(()) if self.log_exposure is None else self.log_exposure[photo].exp()
+        exposure = 1.0 if self.log_exposure is None else self.log_exposure[photo].exp()
         if self.outdoor is not None:
             light, open_sky = self.outdoor(self.rows[photo], light, exposure)
             return PhotoLight(light, sky, open_sky)

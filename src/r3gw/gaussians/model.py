@@ -1,7 +1,6 @@
 """The whole learned scene and its file, ``model.pt``."""
 
 from dataclasses import dataclass
-from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -95,13 +94,6 @@ def light_rows(sessions: tuple[str, ...], settings: TrainSettings) -> list[int]:
     return [known.index(session) for session in sessions]
 
 
-def even_light(radiance: float, degree: int) -> Float[Tensor, "coeff 3"]:
-    """SH coefficients of the same radiance everywhere."""
-    light = torch.zeros(sh.num_coefficients(degree), 3)
-    light[0] = radiance * sqrt(4 * pi)
-    return light
-
-
 def _appearance(
     sessions: tuple[str, ...],
     settings: TrainSettings,
@@ -110,10 +102,10 @@ def _appearance(
 ) -> Appearance:
     rows, degree = light_rows(sessions, settings), settings.model.light_degree
     if not settings.outdoor.enabled:
-        first = even_light(settings.init.light_radiance, degree)
+        first = sh.constant(settings.init.light_radiance, degree)
         return Appearance(rows, settings.model, first, generator)
     if first_skies is None:
-        first_skies = even_light(settings.init.light_radiance, SKY_DEGREE).repeat(
+        first_skies = sh.constant(settings.init.light_radiance, SKY_DEGREE).repeat(
             max(rows) + 1, 1, 1
         )
     power, reflectance = settings.outdoor.sun_power, settings.outdoor.ground_reflectance

@@ -6,7 +6,7 @@ are linear in the sky and in the sun's power, so this light goes wherever any ot
 """
 
 from functools import lru_cache
-from math import pi
+from math import pi, sqrt
 
 import torch
 from jaxtyping import Float
@@ -36,11 +36,38 @@ def outdoor_light(
         degree: Of the result.
     """
     from_sky, from_ground, level = (part.to(sky) for part in _half_spheres(degree))
-    sun = sh.basis(sun_direction, degree)[:, None] * sun_power
+    sun = basis_of_one(sun_direction, degree)[:, None] * sun_power
     height = (sun_direction * sun_direction.new_tensor(UP)).sum().clamp_min(0.0)
     ground_irradiance = level @ sky + height * sun_power
     ground = ground_reflectance / pi * ground_irradiance
     return from_sky @ sky + sun + from_ground[:, None] * ground
+
+
+def basis_of_one(direction: Float[Tensor, "3"], degree: int) -> Float[Tensor, "coeff"]:
+    """`sh.basis` of one unit vector in a few operations, where that takes over a hundred.
+
+    The basis is a polynomial of the degree in the vector: linear in the products of so many of
+    (1, x, y, z). Training differentiates this in every iteration.
+    """
+    factor = torch.cat([direction.new_ones(1), direction])
+    products = factor
+    for _ in range(degree - 1):
+        products = torch.outer(products, factor).reshape(-1)
+    return _basis_from_products(degree).to(direction) @ products
+
+
+@lru_cache(maxsize=4)
+def _basis_from_products(degree: int) -> Float[Tensor, "coeff products"]:
+    """Fitted to `sh.basis`, float64; exact, because more directions are taken than unknowns."""
+    generator = torch.Generator().manual_seed(0)
+    vectors = torch.randn(1000, 3, generator=generator, dtype=torch.float64)
+    vectors = torch.nn.functional.normalize(vectors, dim=-1)
+    factor = torch.cat([torch.ones(1000, 1, dtype=torch.float64), vectors], dim=1)
+    products = factor
+    for _ in range(degree - 1):
+        products = torch.einsum("np,nf->npf", products, factor).flatten(1)
+    fitted: Tensor = torch.linalg.pinv(products) @ sh.basis(vectors, degree)
+    return fitted.T
 
 
 @lru_cache(maxsize=4)
@@ -54,7 +81,6 @@ def _half_spheres(
     above = directions[: QUADRATURE_ROWS // 2]
     radiance = sh.basis(above, SKY_DEGREE)
     from_sky = torch.einsum("hwk,hws->ks", upper, radiance)
-    area = envmap.projection_weights(directions, 0)[: QUADRATURE_ROWS // 2, :, 0]
-    area = area / sh.basis(above, 0)[..., 0]
-    level = torch.einsum("hw,hws->s", area * -above[..., 1], radiance)
+    solid_angle = upper[..., 0] * sqrt(4 * pi)
+    level = torch.einsum("hw,hws->s", solid_angle * -above[..., 1], radiance)
     return from_sky, lower.sum((0, 1)), level

@@ -1,10 +1,12 @@
 """Losses on a learned light: nowhere negative (Eq. 12); its sky looks as in the photo."""
 
+from math import pi
+
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
+from r3gw.geometry.spherical import direction_from_angles
 from r3gw.lighting import sh
 
 
@@ -12,11 +14,10 @@ def random_directions(
     count: int, domain: str, generator: torch.Generator
 ) -> Float[Tensor, "{count} 3"]:
     """Unit vectors, uniform on the upper ``hemisphere`` (up = -y) or the whole ``sphere``."""
-    draws = torch.rand(2, count, generator=generator)
+    height, turn = torch.rand(2, count, generator=generator)
     if domain == "sphere":
-        draws[0].mul_(2).sub_(1)
-    directions: Tensor = torch.ops.r3gw.directions(draws)
-    return directions
+        height = 2 * height - 1
+    return direction_from_angles(torch.acos(height), 2 * pi * turn)
 
 
 def positivity_loss(
@@ -29,7 +30,7 @@ def positivity_loss(
 
 def visible_sky_loss(
     open_sky: Float[Tensor, "coeff 3"],
-    directions: Float[Tensor, "k 3"],
+    basis: Float[Tensor, "k coeff"],
     radiance: Float[Tensor, "k 3"],
     is_clipped: Bool[Tensor, "k 3"],
 ) -> Float[Tensor, ""]:
@@ -37,10 +38,10 @@ def visible_sky_loss(
 
     Args:
         open_sky: SH radiance above the horizon.
-        directions: Unit vectors.
+        basis: SH basis in the directions of the photo's sky pixels.
         radiance: Linear, as the photo shows it.
         is_clipped: Where ``radiance`` is a lower bound: only a darker sky counts.
     """
-    missing = radiance - sh.radiance(open_sky, directions)
+    missing = radiance - basis @ open_sky
     missing = torch.where(is_clipped, missing.clamp_min(0.0), missing)
     return missing.square().sum(-1).mean()

@@ -88,7 +88,7 @@ def open_sky_loss(open_sky: OpenSky, photo: Photo, settings: OutdoorSettings) ->
         return steady
     seen = photo.seen_sky
     return steady + settings.visible_sky * visible_sky_loss(
-        open_sky.radiance, seen.directions, seen.radiance, seen.is_clipped
+        open_sky.radiance, seen.basis, seen.radiance, seen.is_clipped
     )
 
 

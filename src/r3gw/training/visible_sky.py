@@ -14,6 +14,8 @@ from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.colour import linear_from_display
+from r3gw.lighting import sh
+from r3gw.lighting.outdoor import SKY_DEGREE
 
 MOST_PIXELS, FEWEST_PIXELS = 256, 200  # That are kept; that must show sky.
 CLIPPED = 253  # Display values from here on are lower bounds.
@@ -26,12 +28,14 @@ class VisibleSky:
     """Sky pixels of one photo.
 
     Attributes:
-        directions: Unit vectors, world.
+        heights: Sine of the angle above the horizon.
+        basis: SH basis of the outdoor light's sky in the pixels' directions.
         radiance: Linear, in the photo's own units.
         is_clipped: True where the radiance is a lower bound.
     """
 
-    directions: Float[Tensor, "k 3"]
+    heights: Float[Tensor, "k"]
+    basis: Float[Tensor, "k 4"]
     radiance: Float[Tensor, "k 3"]
     is_clipped: Bool[Tensor, "k 3"]
 
@@ -55,8 +59,10 @@ def visible_sky(
     x, y = (column + 0.5 - cx) / fx, (row + 0.5 - cy) / fy
     rays = torch.stack([x, y, torch.ones_like(x)], dim=-1).double() @ camera.cam_from_world[:3, :3]
     values = planes[:, row, column].T
+    directions = torch.nn.functional.normalize(rays, dim=-1).float()
     return VisibleSky(
-        torch.nn.functional.normalize(rays, dim=-1).float(),
+        -directions[:, 1],
+        sh.basis(directions, SKY_DEGREE),
         linear_from_display(values.float() / 255.0),
         values >= CLIPPED,
     )
@@ -73,12 +79,11 @@ def first_sky(seen: Sequence[VisibleSky], otherwise: float) -> Float[Tensor, "4 
         seen: By photos of the same sky.
         otherwise: Radiance of an even sky where none is seen.
     """
-    sky = torch.zeros(4, 3)
+    sky = sh.constant(otherwise, SKY_DEGREE)
     if not seen:
-        sky[0] = otherwise * sqrt(4 * pi)
         return sky
     colour = torch.cat([photo.radiance for photo in seen]).median(dim=0).values
-    heights = -torch.cat([photo.directions for photo in seen])[:, 1]
+    heights = torch.cat([photo.heights for photo in seen])
     ratio = float(colour[0] / colour[2].clamp_min(1e-6))
     gradient = min(max((ratio - CLEAR_RATIO) / (COVERED_RATIO - CLEAR_RATIO), 0.0), 1.0)
     horizon = colour / float(1 + gradient * heights.mean())

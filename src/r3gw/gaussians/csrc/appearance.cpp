@@ -1,6 +1,7 @@
-// Registers torch.ops.r3gw.appearance, which torch differentiates: the appearance MLP for one photo.
-// r3gw.gaussians.appearance says what it computes. With a batch of one every layer is a product of matrix and vector, and its gradient an
-// outer product: what they cost is the way of the weights through memory.
+// Registers torch.ops.r3gw.appearance, which torch differentiates: the appearance MLP of one photo.
+// r3gw.gaussians.appearance says what it computes. With a batch of one every layer is a product of
+// matrix and vector, and its gradient an outer product: what they cost is the way of the weights
+// through memory.
 #include <ATen/ATen.h>
 #include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>

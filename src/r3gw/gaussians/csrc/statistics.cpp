@@ -14,7 +14,8 @@ constexpr std::int64_t kRowsPerPart = 8192;
 void add_gradient_norms(const at::Tensor& totals, const at::Tensor& views,
                         const at::Tensor& gradient, const at::Tensor& radii, double x, double y) {
   float *total = totals.data_ptr<float>(), *view = views.data_ptr<float>();
-  const float *gradients = gradient.const_data_ptr<float>(), *radius = radii.const_data_ptr<float>();
+  const float* gradients = gradient.const_data_ptr<float>();
+  const float* radius = radii.const_data_ptr<float>();
   const auto scale_x = static_cast<float>(x), scale_y = static_cast<float>(y);
   for_sixteens(totals.size(0), kRowsPerPart, [&](std::int64_t first, int count) {
     Lanes g[2];

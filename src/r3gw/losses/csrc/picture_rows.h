@@ -62,10 +62,11 @@ class RowRing {
         stride_(whole_lanes(width) + 2 * kPad),
         values_(static_cast<std::size_t>(Rows) * planes * stride_ / kLanes) {}
 
-  // First pixel of a row, at a register's boundary; kPad values before it and after the last one are
-  // readable.
+  // First pixel of a row, at a register's boundary; kPad values before it and after the last one
+  // are readable.
   float* row(std::int64_t y, int plane) {
-    return reinterpret_cast<float*>(values_.data()) + (((y + Rows) % Rows) * planes_ + plane) * stride_ + kPad;
+    float* values = reinterpret_cast<float*>(values_.data());
+    return values + (((y + Rows) % Rows) * planes_ + plane) * stride_ + kPad;
   }
 
   void clear(std::int64_t y) {

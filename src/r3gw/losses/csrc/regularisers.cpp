@@ -18,22 +18,6 @@ using at::Tensor;
 constexpr std::int64_t kRowsPerRun = 2048;
 constexpr int kRunsTogether = 8;  // Less is not worth another thread.
 
-// Unit vectors [M,3] of height draws[0] above the horizon and turn draws[1], of r3gw.geometry.spherical.
-Tensor directions_op(const Tensor& draws) {
-  const std::int64_t count = draws.size(1);
-  Tensor directions = at::empty({count, 3}, draws.options());
-  const float *height = draws.const_data_ptr<float>(), *turn = height + count;
-  float* out = directions.data_ptr<float>();
-  for (std::int64_t i = 0; i < count; ++i, out += 3) {
-    constexpr float kTwoPi = 6.28318531f;
-    const float across = std::sqrt(std::max(0.0f, 1.0f - height[i] * height[i]));
-    out[0] = across * std::sin(kTwoPi * turn[i]);
-    out[1] = -height[i];
-    out[2] = across * std::cos(kTwoPi * turn[i]);
-  }
-  return directions;
-}
-
 // Eq. 12: mean over directions [M,3] of |min(0, L)|^2, and its gradient by the light [coeff,3].
 template <int Degree>
 double positivity(const float* light, const float* directions, std::int64_t count, double weight,
@@ -147,7 +131,6 @@ std::tuple<double, Tensor> sky_depth_op(const Tensor& depths, const Tensor& radi
 }  // namespace
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
-  library.def("directions", &directions_op);
   library.def("positivity", &positivity_op);
   library.def("flatness", &flatness_op);
   library.def("sky_depth", &sky_depth_op);
