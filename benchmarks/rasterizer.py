@@ -1,8 +1,9 @@
 """Time the rasterizer beside a naive scalar kernel and the plain-torch reference.
 
-Prints a table and writes results/benchmarks/rasterizer.csv. Every row runs in a process of its
-own, so that its peak memory is its own; times are medians. Run it on an otherwise idle machine:
-the column ``load`` says what else was running.
+Prints a table and writes results/benchmarks/rasterizer.csv. Every kernel, workload and number of
+channels runs in a process of its own, so that its peak memory is its own; numbers of threads take
+turns in it, since a machine's speed drifts. Times are medians. Run it on an otherwise idle
+machine: the column ``load`` says what else was running.
 
     python benchmarks/rasterizer.py [--quick]
 """
@@ -14,7 +15,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,21 +34,33 @@ COLUMNS = [
 ]
 TRAINING_CHANNELS, TRAINING_GRADIENTS = 9, 7
 SECONDS_PER_ROW = 4.0
+BOTH = (1, 2)
+
+Part = tuple[str, Callable[[], Any]]
 
 
-def repeat(parts: list[tuple[str, Callable[[], Any]]]) -> dict[str, float]:
-    """Median milliseconds of each part, run in turn for about SECONDS_PER_ROW."""
-    times: dict[str, list[float]] = {name: [] for name, _ in parts}
-    end = time.perf_counter() + SECONDS_PER_ROW
-    while time.perf_counter() < end or len(times[parts[0][0]]) < 3:
-        for name, part in parts:
-            start = time.perf_counter()
-            part()
-            times[name].append(1e3 * (time.perf_counter() - start))
-    return {name: statistics.median(values[1:]) for name, values in times.items()}
+def repeat(parts: list[Part], threads: Sequence[int]) -> dict[int, dict[str, float]]:
+    """Per number of threads, median milliseconds of each part; all run in turn."""
+    times: dict[tuple[int, str], list[float]] = {
+        (n, name): [] for n in threads for name, _ in parts
+    }
+    end = time.perf_counter() + SECONDS_PER_ROW * len(threads)
+    while time.perf_counter() < end or len(times[threads[0], parts[0][0]]) < 3:
+        for count in threads:
+            torch.set_num_threads(count)
+            for name, part in parts:
+                start = time.perf_counter()
+                part()
+                times[count, name].append(1e3 * (time.perf_counter() - start))
+    return {
+        count: {name: statistics.median(times[count, name][1:]) for name, _ in parts}
+        for count in threads
+    }
 
 
-def time_kernels(drawing: Drawing, naive: bool) -> dict[str, float]:
+def time_kernels(
+    drawing: Drawing, naive: bool, threads: Sequence[int]
+) -> dict[int, dict[str, float]]:
     """Milliseconds of project, forward and backward (both halves) of r3gw or the naive kernel."""
     ops: Any = torch.ops.r3gw
     ops.keep_freed_memory()  # as a training does
@@ -77,7 +90,7 @@ def time_kernels(drawing: Drawing, naive: bool) -> dict[str, float]:
         ops.project_backward(to_means2d, to_factors, *geometry, radii, *camera)
 
     if not naive:
-        return repeat([("project", project), ("forward", forward), ("backward", backward)])
+        return repeat([("project", project), ("forward", forward), ("backward", backward)], threads)
     kernel, grad_image = naive_kernel(), grad_planes.permute(1, 2, 0).contiguous()
 
     def naive_forward() -> None:
@@ -87,7 +100,8 @@ def time_kernels(drawing: Drawing, naive: bool) -> dict[str, float]:
         kernel.backward(grad_image, grad_alpha, opacities, features)
 
     parts = [("project", project), ("forward", naive_forward), ("backward", naive_backward)]
-    return repeat(parts) | {"pairs": state["pairs"]}
+    times = repeat(parts, threads)
+    return {count: values | {"pairs": state["pairs"]} for count, values in times.items()}
 
 
 def naive_kernel() -> Any:
@@ -99,7 +113,7 @@ def naive_kernel() -> Any:
     return load("r3gw_naive_rasterizer", [str(source)], extra_cflags=flags)
 
 
-def time_reference(drawing: Drawing) -> dict[str, float]:
+def time_reference(drawing: Drawing, threads: Sequence[int]) -> dict[int, dict[str, float]]:
     """Milliseconds of the plain-torch reference; its projection counts as forward."""
     tensors = (drawing.means, drawing.quaternions, drawing.scales, drawing.opacities)
     inputs = [value.requires_grad_() for value in (*tensors, drawing.features)]
@@ -113,63 +127,66 @@ def time_reference(drawing: Drawing) -> dict[str, float]:
     def backward() -> None:
         state["loss"].backward()  # type: ignore[no-untyped-call]
 
-    return repeat([("forward", forward), ("backward", backward)]) | {"project": 0.0}
+    times = repeat([("forward", forward), ("backward", backward)], threads)
+    return {count: values | {"project": 0.0} for count, values in times.items()}
 
 
-def measure(kernel: str, name: str, channels: int, threads: int) -> dict[str, Any]:
-    """One row, in this process."""
-    torch.set_num_threads(threads)
+def measure(kernel: str, name: str, channels: int, threads: Sequence[int]) -> list[dict[str, Any]]:
+    """A row per number of threads, in this process."""
     drawing = workloads()[name].drawing(channels)
     if kernel == "reference":
-        times = time_reference(drawing)
+        times = time_reference(drawing, threads)
     else:
-        times = time_kernels(drawing, naive=kernel == "naive")
-    return {
-        "kernel": kernel,
-        "workload": name,
-        "gaussians": len(drawing.means),
-        "width": drawing.width,
-        "height": drawing.height,
-        "channels": channels,
-        "threads": threads,
-        **{f"{part}_ms": times[part] for part in ("project", "forward", "backward")},
-        "pairs": times.get("pairs"),
-        "peak_rss_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        "load": os.getloadavg()[0],
-    }
+        times = time_kernels(drawing, kernel == "naive", threads)
+    return [
+        {
+            "kernel": kernel,
+            "workload": name,
+            "gaussians": len(drawing.means),
+            "width": drawing.width,
+            "height": drawing.height,
+            "channels": channels,
+            "threads": count,
+            **{f"{part}_ms": spent[part] for part in ("project", "forward", "backward")},
+            "pairs": spent.get("pairs"),
+            "peak_rss_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+            "load": os.getloadavg()[0],
+        }
+        for count, spent in times.items()
+    ]
 
 
-def rows_to_measure(quick: bool) -> list[tuple[str, str, int, int]]:
+def processes(quick: bool) -> list[tuple[str, str, int, Sequence[int]]]:
     """(kernel, workload, channels, threads), the naive kernel first: it counts the pairs."""
-    rows = []
+    wanted: list[tuple[str, str, int, Sequence[int]]] = []
     for workload in list(workloads().values())[: 2 if quick else None]:
-        rows.append(("naive", workload.name, 3, 1))
+        wanted.append(("naive", workload.name, 3, (1,)))
         if workload.with_reference:
-            rows.append(("reference", workload.name, 3, 1))
+            wanted.append(("reference", workload.name, 3, (1,)))
         for channels in (3, TRAINING_CHANNELS) if quick else (3, 8, TRAINING_CHANNELS, 16):
-            rows += [("r3gw", workload.name, channels, threads) for threads in (1, 2)]
-    return rows
+            wanted.append(("r3gw", workload.name, channels, BOTH))
+    return wanted
 
 
 @click.command()
 @click.option("--quick", is_flag=True, help="Only the two small workloads, fewer channel counts.")
-@click.option("--row", help="Used by the program itself: measure one row, print it as JSON.")
-def main(quick: bool, row: str | None) -> None:
+@click.option("--process", help="Used by the program itself: measure, print rows as JSON.")
+def main(quick: bool, process: str | None) -> None:
     """Time the rasterizer; print a table and write results/benchmarks/rasterizer.csv."""
-    if row is not None:
-        click.echo(json.dumps(measure(*json.loads(row))))
+    if process is not None:
+        click.echo(json.dumps(measure(*json.loads(process))))
         return
     rows: list[dict[str, Any]] = []
     pairs: dict[str, float] = {}
-    for wanted in rows_to_measure(quick):
-        command = [sys.executable, __file__, "--row", json.dumps(wanted)]
+    for wanted in processes(quick):
+        command = [sys.executable, __file__, "--process", json.dumps(wanted)]
         output = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
-        result = json.loads(output.splitlines()[-1])
-        pairs.setdefault(result["workload"], result.pop("pairs"))
-        milliseconds = result["forward_ms"] + result["backward_ms"]
-        result["pairs_per_s"] = 1e3 * pairs[result["workload"]] / milliseconds
-        rows.append(result)
-        click.echo("  ".join(str(result[key]) for key in COLUMNS), err=True)
+        for row in json.loads(output.splitlines()[-1]):
+            pairs.setdefault(row["workload"], row.pop("pairs"))
+            milliseconds = row["forward_ms"] + row["backward_ms"]
+            row["pairs_per_s"] = 1e3 * pairs[row["workload"]] / milliseconds
+            rows.append(row)
+            click.echo("  ".join(str(row[key]) for key in COLUMNS), err=True)
     table = pd.DataFrame(rows)[COLUMNS]
     TARGET.parent.mkdir(parents=True, exist_ok=True)
     with atomic_path(TARGET) as path:

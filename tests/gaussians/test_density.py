@@ -180,6 +180,10 @@ def test_threshold_rises_exponentially():
     assert rising_threshold(1.0, 1e-4, 4e-4) == pytest.approx(4e-4, rel=1e-12)
 
 
+def test_threshold_without_last_value_stays_the_first():
+    assert {rising_threshold(progress, 2e-4, None) for progress in (0.0, 0.5, 1.0)} == {2e-4}
+
+
 def test_statistics_average_over_seen_views_in_ndc():
     statistics = GradientStatistics(3)
     gradient = torch.tensor([[3.0, 0.0], [0.0, 4.0], [9.0, 9.0]])

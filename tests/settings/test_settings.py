@@ -33,6 +33,14 @@ def test_variants_change_what_they_say(values, files):
     assert diffuse == full.model_copy(update={"model": expected})
 
 
+def test_constant_threshold_is_the_first_of_the_run(values, files):
+    config = load_config(values)
+    full = run_settings(config, "full", 0, **files)
+    constant = run_settings(config, "constant_threshold", 0, **files)
+    assert full.density.threshold_last is not None
+    assert constant.density == full.density.model_copy(update={"threshold_last": None})
+
+
 def test_misspelt_key_names_itself_and_the_likely_one(values):
     values["varients"] = values.pop("variants")
     with pytest.raises(InputError, match=r"unknown key 'varients'; did you mean 'variants'\?"):

@@ -57,7 +57,6 @@ rule doctor_run:
 
 rule doctor:
     input:
-        code=library("doctor"),
         settings=[TRAIN_FILE, VARIANTS_FILE],
         scenes=collect(
             "results/{scene}/{file}",
@@ -71,6 +70,7 @@ rule doctor:
         "logs/doctor.log",
     priority: 100
     params:
+        code=library("doctor"),
         config=config_json(),
         defaults=DEFAULTS,
     shell:
@@ -81,13 +81,14 @@ rule doctor:
 
 rule mask_sheet:
     input:
-        code=library("reporting"),
         scene="results/{scene}/scene/scene.json",
         masks="results/{scene}/masks/masks.json",
     output:
         "results/figures/{scene}_masks.png",
     log:
         "logs/mask_sheet/{scene}.log",
+    params:
+        code=library("reporting"),
     shell:
         "python -m r3gw mask-sheet --name {wildcards.scene}"
         " --scene results/{wildcards.scene}/scene --masks results/{wildcards.scene}/masks"

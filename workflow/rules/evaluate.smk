@@ -3,7 +3,6 @@
 
 rule evaluate:
     input:
-        code=library("evaluation"),
         scene="results/{scene}/scene/scene.json",
         masks="results/{scene}/masks/masks.json",
         model="results/{scene}/{variant}/seed{seed}/model.pt",
@@ -15,6 +14,8 @@ rule evaluate:
         cost="results/{scene}/{variant}/seed{seed}/metrics/cost.json",
     log:
         "logs/evaluate/{scene}.{variant}.seed{seed}.log",
+    params:
+        code=library("evaluation"),
     shell:
         "python -m r3gw evaluate --scene results/{wildcards.scene}/scene"
         " --masks results/{wildcards.scene}/masks --model {input.model}"

@@ -3,7 +3,6 @@
 
 rule table1:
     input:
-        code=library("reporting"),
         published=PUBLISHED,
         metrics=collect(
             "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
@@ -29,6 +28,8 @@ rule table1:
         images="results/images.csv",
     log:
         "logs/table1.log",
+    params:
+        code=library("reporting"),
     shell:
         "python -m r3gw tables --kind table1 --published {input.published}"
         " --target results {input.metrics} > {log} 2>&1"
@@ -36,7 +37,6 @@ rule table1:
 
 rule ablation_table:
     input:
-        code=library("reporting"),
         metrics=collect(
             "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
             scene=SCENES,
@@ -52,13 +52,14 @@ rule ablation_table:
         runs="results/ablation_runs.csv",
     log:
         "logs/ablations.log",
+    params:
+        code=library("reporting"),
     shell:
         "python -m r3gw tables --kind ablations --target results {input.metrics} > {log} 2>&1"
 
 
 rule study_table:
     input:
-        code=library("reporting"),
         metrics=study_metrics,
     output:
         csv=report(
@@ -76,6 +77,7 @@ rule study_table:
     log:
         "logs/study.log",
     params:
+        code=library("reporting"),
         baseline=STUDY.baseline if STUDY else "",
     shell:
         "python -m r3gw study --baseline {params.baseline} --target {output.csv}"
@@ -84,7 +86,6 @@ rule study_table:
 
 rule figures:
     input:
-        code=library("reporting"),
         scene="results/{scene}/scene/scene.json",
         masks="results/{scene}/masks/masks.json",
         initial="results/{scene}/initial.npz",
@@ -94,6 +95,7 @@ rule figures:
     log:
         "logs/figures/{scene}.log",
     params:
+        code=library("reporting"),
         runs=figure_runs,
     shell:
         "python -m r3gw figures --name {wildcards.scene}"
@@ -104,7 +106,6 @@ rule figures:
 
 rule html_report:
     input:
-        code=library("reporting"),
         tables=["results/table1.csv", "results/decomposition.csv", "results/cost.csv"],
         initial=collect("results/{scene}/initial.npz", scene=SCENES),
         masks=collect("results/{scene}/masks/masks.json", scene=SCENES),
@@ -119,6 +120,7 @@ rule html_report:
     log:
         "logs/report.log",
     params:
+        code=library("reporting"),
         scenes=collect("--scene {scene}", scene=SCENES),
         variants=collect("--variant {variant}", variant=CONFIG.variants),
         seed=CONFIG.seeds[0],

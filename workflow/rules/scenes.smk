@@ -3,7 +3,6 @@
 
 rule generate:
     input:
-        code=library("synthetic"),
         checked="results/{scene}/checked_source.json",
     output:
         directory("results/{scene}/source"),
@@ -13,6 +12,7 @@ rule generate:
         scene="|".join(SYNTHETIC) or "none",
     priority: 10
     params:
+        code=library("synthetic"),
         entry=entry_json,
     shell:
         "python -m r3gw generate --entry {params.entry:q} --target {output} > {log} 2>&1"
@@ -20,7 +20,6 @@ rule generate:
 
 rule import_scene:
     input:
-        code=library("sfm"),
         source=scene_source,
         checked="results/{scene}/checked_source.json",
     output:
@@ -31,6 +30,7 @@ rule import_scene:
     priority: 10
     threads: 2
     params:
+        code=library("sfm"),
         entry=entry_json,
     shell:
         "python -m r3gw import --scene {wildcards.scene} --entry {params.entry:q}"
@@ -40,7 +40,6 @@ rule import_scene:
 
 rule masks:
     input:
-        code=library("masks"),
         scene="results/{scene}/scene/scene.json",
     output:
         "results/{scene}/masks/masks.json",
@@ -48,6 +47,7 @@ rule masks:
         "logs/masks/{scene}.log",
     priority: 10
     params:
+        code=library("masks"),
         sources=mask_sources,
     shell:
         "python -m r3gw masks --scene results/{wildcards.scene}/scene"
@@ -56,7 +56,6 @@ rule masks:
 
 rule initialise:
     input:
-        code=library("gaussians"),
         scene="results/{scene}/scene/scene.json",
         points="results/{scene}/scene/points.npz",
     output:
@@ -65,6 +64,7 @@ rule initialise:
         "logs/initialise/{scene}.log",
     priority: 10
     params:
+        code=library("gaussians"),
         sky=sky_json,
     shell:
         "python -m r3gw initialise --scene results/{wildcards.scene}/scene"

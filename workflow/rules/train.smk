@@ -20,7 +20,6 @@ rule write_settings:
 # Snakemake does not see imports: without `code`, an edit to src/r3gw leaves a stale model.
 rule train:
     input:
-        code=library("training"),
         scene="results/{scene}/scene/scene.json",
         masks="results/{scene}/masks/masks.json",
         initial="results/{scene}/initial.npz",
@@ -37,6 +36,8 @@ rule train:
     threads: 1
     resources:
         mem_mb=1200,
+    params:
+        code=library("training"),
     shell:
         "python -m r3gw train --scene results/{wildcards.scene}/scene"
         " --masks results/{wildcards.scene}/masks --initial {input.initial}"

@@ -48,8 +48,13 @@ class GradientStatistics:
         return self.total / self.views.clamp_min(1.0)
 
 
-def rising_threshold(progress: float, first: float, last: float) -> float:
-    """Densification threshold, exponential between ``first`` (progress 0) and ``last`` (1)."""
+def rising_threshold(progress: float, first: float, last: float | None) -> float:
+    """Densification threshold, exponential between ``first`` (progress 0) and ``last`` (1).
+
+    Without ``last`` it stays the first.
+    """
+    if last is None:
+        return first
     share = min(max(progress, 0.0), 1.0)
     return float(first * (last / first) ** share)
 

@@ -64,13 +64,16 @@ class WeightSettings(Strict):
 
 
 class DensitySettings(Strict):
-    """Clone, split, prune and opacity reset (method 8); no resets where the interval is null."""
+    """Clone, split, prune and opacity reset (method 8).
+
+    No resets where the interval is null; a threshold whose last value is null keeps the first.
+    """
 
     first: int = Field(ge=0)
     last: int = Field(ge=0)
     interval: int = Field(gt=0)
     threshold_first: float = Field(gt=0)
-    threshold_last: float = Field(gt=0)
+    threshold_last: float | None = Field(gt=0)
     large_scale: float = Field(gt=0)
     huge_scale: float = Field(gt=0)
     min_opacity: float = Field(gt=0, lt=1)

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "losses/csrc/picture_rows.h"
 #include "raster/csrc/parallel.h"
 
 namespace r3gw {
@@ -46,15 +47,18 @@ double separation(const Size& size, const Masks& masks, const float* planes, flo
   std::vector<double> row_sums(size.height);
   for_row_parts(size.height, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y) {
-      float sum = 0.0f;
-      for (std::int64_t i = y * size.width; i < (y + 1) * size.width; ++i) {
-        const bool wrong_foreground = masks.is_valid[i] & masks.is_sky[i];
-        const bool wrong_sky = masks.is_valid[i] & !masks.is_sky[i];
-        sum += (wrong_foreground ? foreground[i] : 0.0f) + (wrong_sky ? sky[i] : 0.0f);
-        to_foreground[i] = wrong_foreground ? scale : 0.0f;
-        to_sky[i] = wrong_sky ? scale : 0.0f;
+      Lanes sum{};
+      for (std::int64_t x = 0; x < size.width; x += kLanes) {
+        const std::int64_t i = y * size.width + x, left = size.width - x;
+        const Lanes valid = load_flags(masks.is_valid + i, left);
+        const Lanes in_sky = valid * load_flags(masks.is_sky + i, left);
+        const Mask wrong_foreground = is_set(in_sky), wrong_sky = is_set(valid - in_sky);
+        sum += keep(wrong_foreground, load_existing(foreground + i, left));
+        sum += keep(wrong_sky, load_existing(sky + i, left));
+        store_existing(to_foreground + i, left, keep(wrong_foreground, splat(scale)));
+        store_existing(to_sky + i, left, keep(wrong_sky, splat(scale)));
       }
-      row_sums[y] = sum;
+      row_sums[y] = sum_of(sum);
     }
   });
   return total(row_sums);

@@ -26,23 +26,30 @@ R3GW_INLINE Lanes load_existing(const float* source, std::int64_t left) {
 }
 
 R3GW_INLINE void store_existing(float* target, std::int64_t left, Lanes value) {
-  std::memcpy(target, &value, std::min<std::int64_t>(left, kLanes) * sizeof(float));
+  if (left >= kLanes) return store(target, value);
+  std::memcpy(target, &value, left * sizeof(float));
 }
 
-// One where `flags` is true; of sixteen pixels `left` or fewer exist.
-R3GW_INLINE Lanes load_flags(const bool* flags, std::int64_t left) {
+// Sixteen bytes as numbers; of them `left` or fewer exist.
+R3GW_INLINE Lanes numbers_from(const void* bytes, std::int64_t left) {
   using Bytes = std::uint8_t __attribute__((vector_size(kLanes)));
-  Bytes bytes{};
-  std::memcpy(&bytes, flags, std::min<std::int64_t>(left, kLanes));
-  return __builtin_convertvector(bytes, Lanes);
+  Bytes values{};
+  if (left >= kLanes) {
+    std::memcpy(&values, bytes, kLanes);
+  } else {
+    std::memcpy(&values, bytes, left);
+  }
+  return __builtin_convertvector(values, Lanes);
+}
+
+// One where `flags` is true.
+R3GW_INLINE Lanes load_flags(const bool* flags, std::int64_t left) {
+  return numbers_from(flags, left);
 }
 
 // Display values in [0, 1] of bytes.
 R3GW_INLINE Lanes load_bytes(const std::uint8_t* source, std::int64_t left) {
-  using Bytes = std::uint8_t __attribute__((vector_size(kLanes)));
-  Bytes bytes{};
-  std::memcpy(&bytes, source, std::min<std::int64_t>(left, kLanes));
-  return __builtin_convertvector(bytes, Lanes) / 255.0f;
+  return numbers_from(source, left) / 255.0f;
 }
 
 R3GW_INLINE Mask is_set(Lanes flag) { return greater_equal(flag, splat(0.5f)); }
@@ -68,6 +75,9 @@ class RowRing {
     float* values = reinterpret_cast<float*>(values_.data());
     return values + (((y + Rows) % Rows) * planes_ + plane) * stride_ + kPad;
   }
+
+  // Between a row of one plane and the same row of the next.
+  std::int64_t stride() const { return stride_; }
 
   void clear(std::int64_t y) {
     std::fill_n(row(y, 0) - kPad, static_cast<std::size_t>(planes_) * stride_, 0.0f);

@@ -4,8 +4,11 @@
 // derivatives D of the similarity by the moments, times m / Z, are blurred once more (the window
 // is symmetric): d/da = m (B(D_mean) + 2 a B(D_square) + b B(D_product)). Rings of eleven rows,
 // blurred along the row, feed the blur down the picture; nothing of the picture's size is kept.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 #include "losses/csrc/picture.h"
 #include "losses/csrc/picture_rows.h"
@@ -32,30 +35,58 @@ std::array<float, kHalfWindow + 1> window_weights() {
 }
 const std::array<float, kHalfWindow + 1> kWeights = window_weights();
 
-// at(distance) loads the sixteen values that lie `distance` window steps away.
-template <class At>
-R3GW_INLINE Lanes blur(const At& at) {
-  Lanes sum = kWeights[0] * at(0);
-#pragma GCC unroll 5
-  for (int i = 1; i <= kHalfWindow; ++i) sum = fma(splat(kWeights[i]), at(-i) + at(i), sum);
+// at(distance) gives the sixteen values that lie `distance` window steps away; a distance is a type,
+// because registers are shuffled by constants only.
+template <int Distance>
+using Step = std::integral_constant<int, Distance>;
+
+template <class At, int... Distances>
+R3GW_INLINE Lanes blur(const At& at, std::integer_sequence<int, Distances...>) {
+  Lanes sum = kWeights[0] * at(Step<0>{});
+  ((sum = fma(splat(kWeights[Distances + 1]),
+              at(Step<-Distances - 1>{}) + at(Step<Distances + 1>{}), sum)),
+   ...);
   return sum;
 }
-
-R3GW_INLINE Lanes blur_along(const float* row, std::int64_t x) {
-  return blur([&](int i) { return load(row + x + i); });
+template <class At>
+R3GW_INLINE Lanes blur(const At& at) {
+  return blur(at, std::make_integer_sequence<int, kHalfWindow>{});
 }
 
-using Ring = RowRing<kWindow>;
-using Column = std::array<const float*, kWindow>;
+// Blurs `count` values along a row. Neighbours come out of three registers: loads that straddle
+// cache lines would take twice as long.
+R3GW_INLINE void blur_along(const float* source, std::int64_t count, float* target) {
+  Lanes before = load(source - kLanes), here = load(source);
+  for (std::int64_t x = 0; x < count; x += kLanes) {
+    const Lanes after = load(source + x + kLanes);
+    const auto at = [&](auto step) {
+      return step <= 0 ? shifted<std::min(+step, 0)>(before, here)
+                       : shifted<std::min(step - kLanes, 0)>(here, after);
+    };
+    store(target + x, blur(at));
+    before = here;
+    here = after;
+  }
+}
 
+// Rows are blurred down the picture a few at a time: neighbours share most of what they load.
+constexpr int kTogether = 4, kRingRows = kWindow + kTogether - 1;
+using Ring = RowRing<kRingRows>;
+using Column = std::array<const float*, kRingRows>;
+
+// Where the rows begin that the windows of rows y to y + kTogether - 1 cover.
 Column column_at(Ring& ring, std::int64_t y, int plane) {
   Column rows;
-  for (int i = 0; i < kWindow; ++i) rows[i] = ring.row(y + i - kHalfWindow, plane);
+  for (int i = 0; i < kRingRows; ++i) rows[i] = ring.row(y + i - kHalfWindow, plane);
   return rows;
 }
 
-R3GW_INLINE Lanes blur_down(const Column& rows, std::int64_t x) {
-  return blur([&](int i) { return load(rows[kHalfWindow + i] + x); });
+R3GW_INLINE void blur_down(const Column& rows, std::int64_t x, Lanes (&blurred)[kTogether]) {
+  Lanes values[kRingRows];
+  for (int i = 0; i < kRingRows; ++i) values[i] = load(rows[i] + x);
+  for (int row = 0; row < kTogether; ++row) {
+    blurred[row] = blur([&](auto step) { return values[kHalfWindow + row + step]; });
+  }
 }
 
 // Planes of the ring of moments: the mask, then four of each channel; of the ring of derivatives,
@@ -84,7 +115,7 @@ R3GW_INLINE Similarity similarity(const Lanes (&blurred)[kMoments], Lanes share,
           {scale * by_mean, -scale * value * bottom1 * inverse, scale * 2.0f * top1 * inverse}};
 }
 
-// One thread's rows on their way through the two blurs.
+// One thread's rows on their way through the two blurs, kTogether at a time.
 class Sweep {
  public:
   Sweep(const Colours& c, const ReconstructionScale& scale, const RowSums& sums, float* gradient)
@@ -95,19 +126,31 @@ class Sweep {
         stride_(whole_lanes(c.size.width)),
         moments_(1 + kChannels * kMoments, c.size.width),
         derivatives_(kChannels * kDerivatives, c.size.width),
-        scratch_(1 + kChannels * kMoments, c.size.width) {}
+        scratch_(kScratch, c.size.width) {}
 
+  // A window reaches kHalfWindow rows ahead, so each kind of row trails the one it is made of by
+  // that much; the first rows are begun early enough to fill the windows of row `begin`.
   void run(std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin - 2 * kHalfWindow; y < begin; ++y) add_moments(y);
-    for (std::int64_t y = begin - kHalfWindow; y < end + kHalfWindow; ++y) {
-      add_moments(y + kHalfWindow);
-      add_derivatives(y, y >= begin && y < end);
+    constexpr int kGroups = (2 * kHalfWindow + kTogether - 1) / kTogether;
+    begin_ = begin;
+    end_ = end;
+    std::int64_t y = begin + kHalfWindow - kGroups * kTogether;
+    for (std::int64_t row = y - kHalfWindow; row < y + kHalfWindow; ++row) add_moments(row);
+    for (; y - kHalfWindow < end; y += kTogether) {
+      for (int row = 0; row < kTogether; ++row) add_moments(y + kHalfWindow + row);
+      add_derivatives(y);
       if (y - kHalfWindow >= begin) write_gradient(y - kHalfWindow);
     }
   }
 
  private:
+  static constexpr int kScratch = std::max(1 + kChannels * kMoments, kTogether * (kDerivatives + 1));
+  // Planes of the scratch rows while derivatives are made: kTogether of each kind.
+  static constexpr int scratch_plane(int kind, int row) { return kind * kTogether + row; }
+  static constexpr int kShare = kDerivatives;
+
   bool inside(std::int64_t y) const { return y >= 0 && y < c_.size.height; }
+  bool own(std::int64_t y) const { return y >= begin_ && y < end_; }
   std::int64_t at(int channel, std::int64_t y) const {
     return (channel * c_.size.height + y) * c_.size.width;
   }
@@ -136,46 +179,65 @@ class Sweep {
       }
     }
     for (int plane = 0; plane < 1 + kChannels * kMoments; ++plane) {
-      const float* source = scratch_.row(0, plane);
-      float* target = moments_.row(y, plane);
-      for (std::int64_t x = 0; x < stride_; x += kLanes) store(target + x, blur_along(source, x));
+      blur_along(scratch_.row(0, plane), stride_, moments_.row(y, plane));
     }
   }
 
-  // The derivatives of row y's similarities, blurred along the row; sums them if the row is `own`.
-  void add_derivatives(std::int64_t y, bool own) {
-    if (!inside(y)) return derivatives_.clear(y);
-    const std::int64_t width = c_.size.width;
+  // The derivatives of the similarities of rows y and following, blurred along the rows; sums the
+  // similarities of this thread's own rows.
+  void add_derivatives(std::int64_t y) {
     const Column weights = column_at(moments_, y, 0);
+    for (std::int64_t x = 0; x < stride_; x += kLanes) {
+      Lanes blurred[kTogether];
+      blur_down(weights, x, blurred);
+      for (int row = 0; row < kTogether; ++row) {
+        store(scratch_.row(0, scratch_plane(kShare, row)) + x,
+              1.0f / maximum(blurred[row], splat(kSmallestWeight)));
+      }
+    }
     for (int channel = 0; channel < kChannels; ++channel) {
-      Column columns[kMoments];
-      for (int m = 0; m < kMoments; ++m) {
-        columns[m] = column_at(moments_, y, moment_plane(channel, m));
-      }
-      Lanes row_sum{};
-      for (std::int64_t x = 0; x < stride_; x += kLanes) {
-        const Lanes valid = load_flags(c_.is_valid + y * width + x, width - x);
-        const Lanes share = 1.0f / maximum(blur_down(weights, x), splat(kSmallestWeight));
-        Lanes blurred[kMoments];
-        for (int m = 0; m < kMoments; ++m) blurred[m] = blur_down(columns[m], x);
-        const Similarity result = similarity(blurred, share, valid);
-        row_sum += result.value;
+      add_similarities(channel, y);
+      for (int row = 0; row < kTogether; ++row) {
         for (int d = 0; d < kDerivatives; ++d) {
-          store(scratch_.row(0, d) + x, result.derivatives[d]);
-        }
-      }
-      if (own) sums_.second[y] += sum_of(row_sum);
-      for (int d = 0; d < kDerivatives; ++d) {
-        const float* source = scratch_.row(0, d);
-        float* target = derivatives_.row(y, derivative_plane(channel, d));
-        for (std::int64_t x = 0; x < stride_; x += kLanes) {
-          store(target + x, blur_along(source, x));
+          blur_along(scratch_.row(0, scratch_plane(d, row)), stride_,
+                     derivatives_.row(y + row, derivative_plane(channel, d)));
         }
       }
     }
+    for (int row = 0; row < kTogether; ++row) {
+      if (!inside(y + row)) derivatives_.clear(y + row);
+    }
   }
 
-  // Both terms' gradient of row y, and the row's absolute errors.
+  void add_similarities(int channel, std::int64_t y) {
+    const std::int64_t width = c_.size.width;
+    Column columns[kMoments];
+    for (int m = 0; m < kMoments; ++m) {
+      columns[m] = column_at(moments_, y, moment_plane(channel, m));
+    }
+    Lanes row_sums[kTogether] = {};
+    for (std::int64_t x = 0; x < stride_; x += kLanes) {
+      Lanes blurred[kMoments][kTogether];
+      for (int m = 0; m < kMoments; ++m) blur_down(columns[m], x, blurred[m]);
+      for (int row = 0; row < kTogether; ++row) {
+        if (!inside(y + row)) continue;
+        const Lanes valid = load_flags(c_.is_valid + (y + row) * width + x, width - x);
+        const Lanes share = load(scratch_.row(0, scratch_plane(kShare, row)) + x);
+        const Lanes moments[kMoments] = {blurred[kA][row], blurred[kB][row],
+                                         blurred[kSquares][row], blurred[kProduct][row]};
+        const Similarity result = similarity(moments, share, valid);
+        row_sums[row] += result.value;
+        for (int d = 0; d < kDerivatives; ++d) {
+          store(scratch_.row(0, scratch_plane(d, row)) + x, result.derivatives[d]);
+        }
+      }
+    }
+    for (int row = 0; row < kTogether; ++row) {
+      if (own(y + row)) sums_.second[y + row] += sum_of(row_sums[row]);
+    }
+  }
+
+  // Both terms' gradient of rows y and following, and the rows' absolute errors.
   void write_gradient(std::int64_t y) {
     const std::int64_t width = c_.size.width;
     for (int channel = 0; channel < kChannels; ++channel) {
@@ -183,23 +245,28 @@ class Sweep {
       for (int d = 0; d < kDerivatives; ++d) {
         columns[d] = column_at(derivatives_, y, derivative_plane(channel, d));
       }
-      const std::int64_t row = at(channel, y);
-      Lanes errors{};
+      Lanes errors[kTogether] = {};
       for (std::int64_t x = 0; x < width; x += kLanes) {
-        const Mask valid = is_set(load_flags(c_.is_valid + y * width + x, width - x));
-        const Lanes a = keep(valid, load_existing(c_.rendered + row + x, width - x));
-        const Lanes b = keep(valid, load_bytes(c_.target + row + x, width - x));
-        const Lanes by_mean = blur_down(columns[kByMean], x);
-        const Lanes by_square = blur_down(columns[kBySquare], x);
-        const Lanes by_product = blur_down(columns[kByProduct], x);
-        const Lanes similar = by_mean + 2.0f * a * by_square + b * by_product;
-        const Lanes error = a - b;
-        const Lanes sign = error > 0.0f ? splat(1.0f) : (error < 0.0f ? splat(-1.0f) : Lanes{});
-        errors += sign * error;
-        const Lanes value = scale_.l1 * sign - scale_.dissimilarity * similar;
-        store_existing(gradient_ + row + x, width - x, keep(valid, value));
+        Lanes blurred[kDerivatives][kTogether];
+        for (int d = 0; d < kDerivatives; ++d) blur_down(columns[d], x, blurred[d]);
+        for (int row = 0; row < kTogether && y + row < end_; ++row) {
+          const std::int64_t place = at(channel, y + row) + x;
+          const Mask valid =
+              is_set(load_flags(c_.is_valid + (y + row) * width + x, width - x));
+          const Lanes a = keep(valid, load_existing(c_.rendered + place, width - x));
+          const Lanes b = keep(valid, load_bytes(c_.target + place, width - x));
+          const Lanes similar = blurred[kByMean][row] + 2.0f * a * blurred[kBySquare][row] +
+                                b * blurred[kByProduct][row];
+          const Lanes error = a - b;
+          const Lanes sign = error > 0.0f ? splat(1.0f) : (error < 0.0f ? splat(-1.0f) : Lanes{});
+          errors[row] += sign * error;
+          const Lanes value = scale_.l1 * sign - scale_.dissimilarity * similar;
+          store_existing(gradient_ + place, width - x, keep(valid, value));
+        }
       }
-      sums_.first[y] += sum_of(errors);
+      for (int row = 0; row < kTogether && y + row < end_; ++row) {
+        sums_.first[y + row] += sum_of(errors[row]);
+      }
     }
   }
 
@@ -207,7 +274,7 @@ class Sweep {
   const ReconstructionScale& scale_;
   const RowSums& sums_;
   float* gradient_;
-  std::int64_t stride_;
+  std::int64_t stride_, begin_ = 0, end_ = 0;
   Ring moments_, derivatives_;
   RowRing<1> scratch_;
 };

@@ -56,6 +56,12 @@ R3GW_INLINE Lanes minus_product(Lanes c, Lanes a, Lanes b) {
   return (Lanes)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
 }
 R3GW_INLINE Lanes square_root(Lanes a) { return (Lanes)_mm512_maskz_sqrt_ps(0xffff, (__m512)a); }
+// The sixteen values that begin `Steps` lanes after the first of `b`, -16 <= Steps <= 0.
+template <int Steps>
+R3GW_INLINE Lanes shifted(Lanes a, Lanes b) {
+  if constexpr (Steps == 0) return b;
+  return (Lanes)_mm512_maskz_alignr_epi32(0xffff, (__m512i)b, (__m512i)a, kLanes + Steps);
+}
 
 // 1 / a for normal a, relative error 2e-7: the hardware's estimate and one Newton step.
 R3GW_INLINE Lanes reciprocal(Lanes a) {
@@ -87,6 +93,10 @@ R3GW_INLINE Lanes minus_product(Lanes c, Lanes a, Lanes b) { return c - a * b; }
 R3GW_INLINE Lanes square_root(Lanes a) {
   for (int lane = 0; lane < kLanes; ++lane) a[lane] = std::sqrt(a[lane]);
   return a;
+}
+template <int Steps>
+R3GW_INLINE Lanes shifted(Lanes a, Lanes b) {
+  return __builtin_shuffle(a, b, kLaneIndex + (kLanes + Steps));
 }
 R3GW_INLINE Lanes reciprocal(Lanes a) { return 1.0f / a; }
 
