@@ -20,6 +20,7 @@ lint: .venv/installed-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/mypy benchmarks/*.py
 	$(BIN)/snakefmt --check Snakefile workflow
 
 # The kernels' tests under the address and undefined-behaviour sanitizers, in a copy of the package.

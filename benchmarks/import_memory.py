@@ -81,7 +81,7 @@ def measure(job: tuple[Path, int, int, int]) -> dict[str, str | int | float]:
     folder, count, width, height = job
     before = peak_rss_mb()
     start = time.perf_counter()
-    settings = ColmapScene(format="colmap", path=".")
+    settings = ColmapScene.model_validate({"format": "colmap", "path": "."})
     scene = import_scene("large", settings, folder, folder / "scene", num_threads=1)
     seconds = time.perf_counter() - start
     assert len(scene.views) == count

@@ -2,7 +2,8 @@
 
 Prints a table and writes results/benchmarks/rasterizer.csv. Every kernel, workload and number of
 channels runs in a process of its own, so that its peak memory is its own; numbers of threads take
-turns in it, since a machine's speed drifts. Times are medians. Run it on an otherwise idle
+turns in it, since a machine's speed drifts. Times are the least of a part's runs, as timeit
+advises: what neighbours on the machine add belongs to no kernel. Run it on an otherwise idle
 machine: the column ``load`` says what else was running.
 
     python benchmarks/rasterizer.py [--quick]
@@ -11,7 +12,6 @@ machine: the column ``load`` says what else was running.
 import json
 import os
 import resource
-import statistics
 import subprocess
 import sys
 import time
@@ -40,7 +40,7 @@ Part = tuple[str, Callable[[], Any]]
 
 
 def repeat(parts: list[Part], threads: Sequence[int]) -> dict[int, dict[str, float]]:
-    """Per number of threads, median milliseconds of each part; all run in turn."""
+    """Per number of threads, least milliseconds of each part; all run in turn."""
     times: dict[tuple[int, str], list[float]] = {
         (n, name): [] for n in threads for name, _ in parts
     }
@@ -52,10 +52,7 @@ def repeat(parts: list[Part], threads: Sequence[int]) -> dict[int, dict[str, flo
                 start = time.perf_counter()
                 part()
                 times[count, name].append(1e3 * (time.perf_counter() - start))
-    return {
-        count: {name: statistics.median(times[count, name][1:]) for name, _ in parts}
-        for count in threads
-    }
+    return {count: {name: min(times[count, name]) for name, _ in parts} for count in threads}
 
 
 def time_kernels(
@@ -115,13 +112,18 @@ def naive_kernel() -> Any:
 
 def time_reference(drawing: Drawing, threads: Sequence[int]) -> dict[int, dict[str, float]]:
     """Milliseconds of the plain-torch reference; its projection counts as forward."""
-    tensors = (drawing.means, drawing.quaternions, drawing.scales, drawing.opacities)
-    inputs = [value.requires_grad_() for value in (*tensors, drawing.features)]
+    splats = (
+        drawing.means.requires_grad_(),
+        drawing.quaternions.requires_grad_(),
+        drawing.scales.requires_grad_(),
+        drawing.opacities.requires_grad_(),
+        drawing.features.requires_grad_(),
+    )
     camera = (drawing.cam_from_world, drawing.intrinsics, drawing.width, drawing.height)
     state: dict[str, torch.Tensor] = {}
 
     def forward() -> None:
-        result = reference.rasterize(*inputs, *camera)
+        result = reference.rasterize(*splats, *camera)
         state["loss"] = result.features.sum() + result.alpha.sum()
 
     def backward() -> None:

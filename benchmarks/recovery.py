@@ -12,6 +12,7 @@ truth itself would reach; writes results/benchmarks/recovery.csv and a picture p
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import click
 import cv2
@@ -83,8 +84,9 @@ def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> Ben
     bench = Bench(model, scene, folder / "scene", folder / "masks")
     if lights_known:
         model.appearance.__class__ = TrueLights
+        appearance = cast(TrueLights, model.appearance)
         truths = [view.truth for view in scene.split("train")]
-        model.appearance.lights = [bench.true_light(truth) for truth in truths if truth]
+        appearance.lights = [bench.true_light(truth) for truth in truths if truth]
     model, _ = train(model, photos)
     return Bench(model, scene, folder / "scene", folder / "masks")
 

@@ -101,7 +101,8 @@ def step(state: TrainingState, photos: list[Photo], schedule: Schedule) -> None:
     )
     torch.autograd.backward(loss)
     camera, gradient = photos[index].camera, rendering.means2d.grad
-    state.statistics.add(gradient, rendering.radii_px, camera.width, camera.height)
+    if gradient is not None:
+        state.statistics.add(gradient, rendering.radii_px, camera.width, camera.height)
     adam_step(state.optimizer)
     state.model.sky.clamp_to_dome()
 
