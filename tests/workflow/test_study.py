@@ -1,6 +1,7 @@
 """`snakemake study` on a tiny scene: it trains its changes, and nothing that is there already."""
 
 import pandas as pd
+import pytest
 import yaml
 from tiny_workflow import CONFIG, planned, snakemake
 
@@ -33,9 +34,10 @@ def test_a_study_compares_its_changes_with_runs_that_are_there(finished):
     assert planned(finished, "study", STUDY) == set()
 
 
-def test_the_shipped_study_keeps_the_default_configuration(untouched, repository):
-    shipped = read_yaml(repository / "config/studies/short_runs.yaml")
-    assert set(shipped) == {"study"}
+@pytest.mark.parametrize("name", ["short_runs", "chosen"])
+def test_shipped_studies_keep_the_default_scenes(untouched, repository, name):
+    shipped = read_yaml(repository / f"config/studies/{name}.yaml")
+    assert set(shipped) == {"train", "study"}
     done = snakemake(untouched, "--dry-run", "study", config=shipped)
     assert done.returncode == 0, done.stderr
     default = read_yaml(repository / "config/config.yaml")
