@@ -1,6 +1,7 @@
 """Figures made of pictures: test views, decomposition, learned lights."""
 
 from collections.abc import Sequence
+from math import isqrt
 from pathlib import Path
 
 import cv2
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from r3gw.evaluation.bench import scored_pixels
 from r3gw.evaluation.gallery import light_picture
+from r3gw.evaluation.lights import light_of_map
 from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.files import InputError
 from r3gw.imaging.colour import display_array_from_linear
@@ -68,7 +70,7 @@ def _light_of(scene_folder: Path, view: View) -> NDArray[np.uint8] | None:
 
 
 def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
-    """Render, albedo, normals, depth, sky and foreground alone; the truth beneath where known."""
+    """Render, albedo, normals, depth, sky and foreground alone, light; beneath, what is true."""
     rows: list[list[Cell | None]] = []
     names = []
     for view in run.shown_views(scene)[:NUM_DECOMPOSED]:
@@ -77,19 +79,31 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figu
         kinds = ("albedo", "normal", "", "sky", "foreground")
         depth = Cell(depths.ours, depths.label)
         parts = [_cell(run.picture(view.name, kind)) if kind else depth for kind in kinds]
-        rows.append([_cell(run.picture(view.name, protocol), view.name), *parts])
+        light = _cell(_light_drawn_under(scene_folder, run, view))
+        rows.append([_cell(run.picture(view.name, protocol), view.name), *parts, light])
         names.append("model")
         photo = _cell(run.picture(view.name, "truth"))
         if view.truth is not None:
             true = truth_pictures(view.truth, scene_folder)
-            rows.append(
-                [photo, Cell(true["albedo"]), Cell(true["normal"]), _cell(depths.truth), None, None]
-            )
+            surfaces = [Cell(true["albedo"]), Cell(true["normal"]), _cell(depths.truth)]
+            rows.append([photo, *surfaces, None, None, _cell(_light_of(scene_folder, view))])
         else:
-            rows.append([photo, *[None] * 5])
+            rows.append([photo, *[None] * 6])
         names.append("truth" if view.truth is not None else "photo")
-    titles = ["picture", "albedo", "normals", "depth", "sky alone", "foreground alone"]
+    titles = ["picture", "albedo", "normals", "depth", "sky alone", "foreground alone", "light"]
     return picture_grid(rows, titles, names)
+
+
+def _light_drawn_under(scene_folder: Path, run: Evaluated, view: View) -> NDArray[np.uint8] | None:
+    """The SH light of a view's first picture as a map: learned, or the true map's."""
+    if view.name in run.lights:
+        light = torch.tensor(run.lights[view.name]["light"])
+    elif view.truth is not None and run.lights:
+        degree = isqrt(len(next(iter(run.lights.values()))["light"])) - 1
+        light = light_of_map(envmap.read_env_map(scene_folder / view.truth.env_map), degree)
+    else:
+        return None
+    return light_picture(envmap.draw(light, LIGHT_MAP_HEIGHT))
 
 
 def light_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
