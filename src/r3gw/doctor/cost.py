@@ -33,8 +33,8 @@ class Measured:
     bytes_per_photo_pixel: int = 5
 
 
-# Chapel, 240 x 180 px, one core, two trainings at a time: 22.2 s for 1,000 iterations from 11,000 to
-# 25,000 Gaussians, so 20.4 ms at 15,000; 464 to 517 MB. How time and memory divide:
+# Chapel, 240 x 180 px, one core, two trainings at a time: 22.2 s for 1,000 iterations from 11,000
+# to 25,000 Gaussians, so 20.4 ms at 15,000; 464 to 517 MB. How time and memory divide:
 # benchmarks/scaling.py and training_step.py.
 MEASURED = Measured(
     ms_per_iteration=20.4,
