@@ -24,7 +24,8 @@ def test_a_change_comes_on_top_of_the_baseline(values, files):
     config = load_config(values)
     baseline = run_settings(config, "no_specular", 4, **files)
     dim = run_settings(config, "dim", 4, **files)
-    assert (baseline.model.specular, baseline.init.light_radiance) == (False, 0.8)
+    assert not baseline.model.specular
+    assert baseline.init.light_radiance != 0.5
     expected = baseline.init.model_copy(update={"light_radiance": 0.5})
     assert dim == baseline.model_copy(update={"init": expected})
 
