@@ -76,9 +76,6 @@ class RowRing {
     return values + (((y + Rows) % Rows) * planes_ + plane) * stride_ + kPad;
   }
 
-  // Between a row of one plane and the same row of the next.
-  std::int64_t stride() const { return stride_; }
-
   void clear(std::int64_t y) {
     std::fill_n(row(y, 0) - kPad, static_cast<std::size_t>(planes_) * stride_, 0.0f);
   }
