@@ -25,6 +25,8 @@ def test_writes_records_lights_and_pictures(tiny, tmp_path):
         ("c_swept", "nerf-osr"),
         ("b_exact", "full-yaw"),
         ("c_swept", "full-yaw"),
+        ("b_exact", "nerf-osr-linear"),
+        ("c_swept", "nerf-osr-linear"),
         ("a_0", "learned"),
         ("a_1", "learned"),
     }

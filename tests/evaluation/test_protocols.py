@@ -5,17 +5,21 @@ import numpy as np
 import pytest
 import torch
 
+from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.evaluation.protocols import (
     PROTOCOLS,
     Exact,
     FullYaw,
     Learned,
     NerfOsr,
+    NerfOsrLinear,
     diffuse_oracle,
-    published_light,
 )
+from r3gw.evaluation.published import published_light
 from r3gw.files import InputError
+from r3gw.imaging.files import write_image
 from r3gw.imaging.masks import erode
+from r3gw.lighting import envmap
 
 BEST_INDEX, SWEEP_RAD = 17, (-1.0, 1.5)
 
@@ -42,8 +46,29 @@ def test_the_whole_circle_holds_the_best_angle_to_its_step(tiny):
     assert figures["psnr"] < NerfOsr().evaluate(tiny.bench, tiny.view("c_swept")).figures["psnr"]
 
 
+@pytest.mark.parametrize("exposure", [0.25, 0.6])
+def test_the_linear_protocol_finds_angle_and_exposure(tiny, exposure):
+    """A photo lit by the map's display values to the power 2.2, its sun 20 times as bright."""
+    view = tiny.view("c_swept")
+    values = cv2.imread(str(tiny.folder / view.evaluation.env_map))[..., ::-1] / 255.0
+    linear = torch.from_numpy(np.where(values > 0.95, 20.0, 1.0) * values**2.2)
+    angle_rad = -1.0 + 2.5 * BEST_INDEX / 50
+    directions = envmap.published_directions(16, 32, -1.6, angle_rad)
+    light = exposure * envmap.project(linear, directions, 4)
+    picture = tiny.bench.render(view, light, None)
+    write_image(tiny.folder / "images" / "linear.png", bytes_from_display(picture))
+    photo = view.model_copy(update={"image": "images/linear.png"})
+    figures = NerfOsrLinear().evaluate(tiny.bench, photo).figures
+    assert int(np.argmax(figures["sweep_psnr"])) == BEST_INDEX
+    assert figures["angle_rad"] == pytest.approx(angle_rad, rel=1e-12, abs=0)
+    assert figures["exposure"] == pytest.approx(exposure, rel=0.01, abs=0)
+    assert figures["psnr"] > 48  # only 8-bit rounding is left
+    assert min(figures["sweep_psnr"]) < 35
+
+
 def test_oracles_say_so():
-    assert {p.name for p in PROTOCOLS if p.is_oracle} == {"nerf-osr", "full-yaw"}
+    oracles = {p.name for p in PROTOCOLS if p.is_oracle}
+    assert oracles == {"nerf-osr", "full-yaw", "nerf-osr-linear"}
 
 
 def test_exact_light_is_in_the_photos_own_units(tiny):
@@ -79,6 +104,7 @@ def test_which_views_are_covered(tiny):
     assert covered == {
         "nerf-osr": ["b_exact", "c_swept"],
         "full-yaw": ["b_exact", "c_swept"],
+        "nerf-osr-linear": ["b_exact", "c_swept"],
         "exact": ["b_exact"],
         "learned": ["a_0", "a_1"],
     }

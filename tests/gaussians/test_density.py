@@ -139,6 +139,17 @@ def test_transparent_and_huge_gaussians_go(model, optimizer):
     assert len(model.foreground) == 18
 
 
+@pytest.mark.parametrize(("share", "expected"), [(1.0, 60), (0.4, 40), (0.2, 30)])
+def test_the_sky_grows_to_its_share_alone(model, optimizer, share, expected):
+    """Of 100 Gaussians; the foreground, untouched here, is not counted."""
+    density = model.settings.density.model_copy(
+        update={"max_gaussians": 100, "sky_share": share, "min_opacity": 1e-6}
+    )
+    model.settings = model.settings.model_copy(update={"density": density})
+    grow(model, optimizer, torch.cat([torch.zeros(20), torch.full((30,), 2 * THRESHOLD)]))
+    assert (len(model.foreground), len(model.sky.rows)) == (20, expected)
+
+
 def test_budget_takes_the_strongest(model, optimizer):
     set_scales(model.foreground, 0.01)
     capped = model.settings.density.model_copy(update={"max_gaussians": 52})

@@ -127,12 +127,6 @@ def test_published_mapping_is_a_mirrored_panorama():
         assert (np.sign(np.diff(np.unwrap(azimuth))) == sign).all()
 
 
-def test_brightened_touches_only_what_is_above_the_threshold():
-    values = torch.tensor([0.5, 0.99, 1.0])[None, :, None].expand(1, 3, 3)
-    expected = torch.tensor([0.5, 0.99, 30.0])[None, :, None].expand(1, 3, 3)
-    torch.testing.assert_close(envmap.brightened(values, 0.99, 30.0), expected, rtol=0, atol=0)
-
-
 def test_reads_linear_and_8_bit_maps(tmp_path):
     linear = np.random.default_rng(0).random((4, 8, 3), dtype=np.float32) * 20
     write_exr(tmp_path / "map.exr", linear)

@@ -12,7 +12,7 @@ from r3gw.lighting import sh
 from r3gw.losses.geometry import normal_loss, normals_from_depth, scale_loss
 from r3gw.losses.lighting import positivity_loss, random_directions, visible_sky_loss
 from r3gw.losses.reconstruction import masked_l1, reconstruction_loss
-from r3gw.losses.separation import separation_loss, sky_depth_loss
+from r3gw.losses.separation import separation_loss, silhouette_loss, sky_depth_loss
 from r3gw.losses.ssim import mean_ssim
 
 EVERYWHERE = torch.ones(24, 32, dtype=torch.bool)
@@ -164,6 +164,16 @@ def test_separation_on_hand_made_layers():
     is_valid = torch.tensor([[True, True], [True, False]])
     expected = (0.3 + 1.8 + 0.9) / 9
     found = separation_loss(foreground, sky, is_sky, is_valid)
+    assert float(found) == pytest.approx(expected, rel=1e-6)
+
+
+def test_silhouette_on_a_hand_made_layer():
+    """Opacity on sky, a tenth of the transparency elsewhere, nothing on occluders."""
+    opacity = torch.tensor([[0.3, 0.6], [0.9, 0.2]])
+    is_sky = torch.tensor([[True, False], [True, False]])
+    is_valid = torch.tensor([[True, True], [True, False]])
+    expected = (0.3 + 0.1 * 0.4 + 0.9) / 3
+    found = silhouette_loss(opacity, is_sky, is_valid, 0.1)
     assert float(found) == pytest.approx(expected, rel=1e-6)
 
 

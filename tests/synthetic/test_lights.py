@@ -117,6 +117,22 @@ def test_the_panorama_is_the_map_turned_by_the_yaw() -> None:
     np.testing.assert_array_equal(turned[:, 10], straight[:, (10 + shift) % (2 * HEIGHT)])
 
 
+@pytest.mark.parametrize(("session", "low", "high"), [(CLEAR, 5.0, 100.0), (GREY, 1.0, 1.5)])
+def test_scaled_clipped_pixels_give_the_panorama_its_light_back(
+    session: Session, low: float, high: float
+) -> None:
+    """Linear light of the whole sphere, relative to the ground's, which is never clipped."""
+    light = light_of(session)
+    scale = lights.clipped_scale(light)
+    assert low <= scale < high
+    picture = lights.phone_panorama(light, 0.0).astype(float)
+    restored = np.where(picture > lights.CLIPPED, picture**2.2 * scale, picture**2.2)
+    exposure = float((restored[-1, 5] / light[-1, 5]).mean())
+    weight = daylight.solid_angles(HEIGHT)
+    expected = exposure * float((light * weight).sum())
+    assert float((restored * weight).sum()) == pytest.approx(expected, rel=0.02)
+
+
 @pytest.mark.parametrize("yaw", [-2.0, 0.4, 3.0])
 def test_the_published_mapping_at_our_angle_meets_the_true_sun(yaw: float) -> None:
     light = 0.3 + daylight.splat(np.full(3, 50.0), CLEAR.sun, HEIGHT)

@@ -25,7 +25,13 @@ def test_cost_report_and_figures_come_with_all(finished):
     cost = pd.read_csv(finished / "results/cost.csv")
     assert cost.loc[0, "renders_per_second"] > 0
     images = pd.read_csv(finished / "results/images.csv")
-    assert set(images.protocol) == {"nerf-osr", "full-yaw", "exact", "learned"}
+    assert set(images.protocol) == {
+        "nerf-osr",
+        "full-yaw",
+        "nerf-osr-linear",
+        "exact",
+        "learned",
+    }
     assert "Scene tiny" in (finished / "results/report.html").read_text()
     figures = {path.stem for path in (finished / "results/figures").glob("*.png")}
     assert {f"tiny_{kind}" for kind in (*PICTURES, *PLOTS)} <= figures

@@ -13,7 +13,7 @@ import torch
 from r3gw.doctor.findings import Findings
 from r3gw.evaluation.bench import scored_pixels
 from r3gw.evaluation.metrics import EROSION_PX
-from r3gw.evaluation.protocols import published_turn_rad
+from r3gw.evaluation.published import published_turn_rad
 from r3gw.files import InputError
 from r3gw.geometry.cameras import UP, pixel_rays
 from r3gw.lighting.envmap import read_env_map

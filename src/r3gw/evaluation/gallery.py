@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from r3gw.evaluation.bench import Bench
-from r3gw.evaluation.lights import map_light, photo_light
+from r3gw.evaluation.lights import learned_strength, map_light, photo_light
 from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.files import write_json
 from r3gw.geometry.rotations import rotation_about_axis
@@ -118,6 +118,5 @@ def _map_of(bench: Bench, view: View) -> Source:
     if path.suffix.lower() in LDR_SUFFIXES:
         env_map = linear_from_display(env_map)
     light = map_light(path, bench.light_degree)
-    lights = [photo_light(bench.model, photo)[0] for photo in bench.model.photos]
-    strength = torch.stack(lights)[:, 0].mean()
-    return f"map of {view.session or view.name}", light * strength / light[0].mean(), env_map
+    strength = learned_strength(bench.model) / light[0].mean()
+    return f"map of {view.session or view.name}", light * strength, env_map

@@ -63,3 +63,9 @@ def photo_light(
         raise InputError(f"the model has no light of a photo '{photo}'; it was trained on: {known}")
     light, sky, _ = model.appearance(model.photos.index(photo))
     return light, sky
+
+
+def learned_strength(model: SceneModel) -> float:
+    """Mean over photos and channels of the coefficient of band 0 of the learned lights."""
+    lights = [photo_light(model, photo)[0] for photo in model.photos]
+    return float(torch.stack(lights)[:, 0].mean())

@@ -11,23 +11,21 @@ from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from r3gw.evaluation.bench import Bench
-from r3gw.evaluation.lights import photo_light
+from r3gw.evaluation.lights import learned_strength, photo_light
 from r3gw.evaluation.metrics import masked_psnr, score
-from r3gw.files import InputError
-from r3gw.geometry.rotations import rotation_about_axis
-from r3gw.imaging.colour import display_array_from_linear
+from r3gw.evaluation.published import at_sun_angle, published_light
+from r3gw.imaging.colour import GAMMA, display_array_from_linear
 from r3gw.imaging.files import read_linear
-from r3gw.lighting import envmap
 from r3gw.lighting.irradiance import irradiance
-from r3gw.lighting.sh_rotation import rotate
 from r3gw.scene import EvaluationEntry, GroundTruth, View
 
 NUM_SUN_ANGLES = 51
 NUM_CIRCLE_ANGLES = 48
+NUM_EXPOSURE_STEPS = 3
 
 
 @dataclass(frozen=True)
@@ -108,6 +106,49 @@ class FullYaw(NerfOsr):
         return _swept(bench, view, view.evaluation, angles_rad)
 
 
+class NerfOsrLinear(NerfOsr):
+    """`NerfOsr` with the map made linear; the oracle chooses its exposure, too.
+
+    The published protocol takes display values for light: shade comes out too bright, and a clipped
+    sun too weak beside it. Linear values know no unit, so at every angle the exposure is the one
+    that suits the test photo best, for every method alike.
+    """
+
+    name = "nerf-osr-linear"
+    version = 1
+    is_oracle = True
+
+    def evaluate(self, bench: Bench, view: View) -> Outcome:
+        """Sweep the sun, keep the best angle and exposure; ``exposure`` is relative to the map."""
+        assert view.evaluation is not None  # covers() holds
+        given = published_light(bench, view, view.evaluation, is_linear=True)
+        # Clamped pictures tell no exposure, so begin where those of the training photos are.
+        start = learned_strength(bench.model) / float(given[0].mean())
+        angles_rad = np.linspace(*view.evaluation.sun_angles_rad, NUM_SUN_ANGLES)
+        lights = [at_sun_angle(start * given, angle) for angle in angles_rad]
+        photo, is_scored = bench.photo(view), bench.is_scored(view)
+        curve = []
+        for light in lights:
+            picture = bench.render(view, light, None)
+            fitted = np.clip(_display_factor(picture, photo, is_scored) * picture, 0.0, 1.0)
+            curve.append(masked_psnr(fitted, photo, is_scored, view.name))
+        best = int(np.argmax(curve))
+        gain = 1.0
+        for _ in range(NUM_EXPOSURE_STEPS):
+            picture = bench.render(view, gain * lights[best], None)
+            gain *= _display_factor(picture, photo, is_scored) ** GAMMA
+        light = gain * lights[best]
+        picture = bench.render(view, light, None)
+        figures = {
+            **asdict(score(picture, photo, is_scored, view.name)),
+            "angle_rad": float(angles_rad[best]),
+            "exposure": start * gain,
+            "sweep_angles_rad": angles_rad.tolist(),
+            "sweep_psnr": curve,
+        }
+        return Outcome(picture, light, None, figures)
+
+
 class Exact(ViewProtocol):
     """The true HDR map in its true orientation and the photo's own units; nothing is searched.
 
@@ -158,7 +199,13 @@ class Learned(ViewProtocol):
         return Outcome(picture, light, sky_light, figures)
 
 
-PROTOCOLS: tuple[ViewProtocol, ...] = (NerfOsr(), FullYaw(), Exact(), Learned())
+PROTOCOLS: tuple[ViewProtocol, ...] = (
+    NerfOsr(),
+    FullYaw(),
+    NerfOsrLinear(),
+    Exact(),
+    Learned(),
+)
 
 
 def _swept(
@@ -185,39 +232,17 @@ def _swept(
     return Outcome(picture, light, None, figures)
 
 
-def published_light(bench: Bench, view: View, entry: EvaluationEntry) -> Float[Tensor, "coeff 3"]:
-    """SH light of the view's LDR map at sun angle 0 (data.md E).
+def _display_factor(
+    picture: Float[np.ndarray, "h w 3"],
+    photo: Float[np.ndarray, "h w 3"],
+    is_scored: Bool[np.ndarray, "h w"],
+) -> float:
+    """Factor on a picture's display values that brings it nearest to the photo (least squares).
 
-    Raises:
-        InputError: If the map is unreadable or its initial rotation is not about x alone.
+    To the power `GAMMA` it is one on the light, where nothing is clamped.
     """
-    bright = envmap.brightened(
-        envmap.read_env_map(bench.scene_folder / entry.env_map), entry.threshold, entry.scale
-    )
-    height, width = bright.shape[:2]
-    turn_rad = published_turn_rad(view, entry)
-    directions = envmap.published_directions(height, width, turn_rad, 0.0)
-    return envmap.project(bright, directions, bench.light_degree)
-
-
-def published_turn_rad(view: View, entry: EvaluationEntry) -> float:
-    """Initial rotation of the view's map, about x.
-
-    Raises:
-        InputError: If it turns about y or z, for which no published order exists.
-    """
-    x, y, z = entry.rotation_rad
-    if y != 0 or z != 0:
-        raise InputError(
-            f"view '{view.name}': initial_env_map_rotation has y={y:g} and z={z:g}; the published "
-            "protocol turns about x alone, so set both to 0 and widen sun_angles instead"
-        )
-    return x
-
-
-def at_sun_angle(light: Float[Tensor, "coeff 3"], angle_rad: float) -> Float[Tensor, "coeff 3"]:
-    """Turn a published light from sun angle 0 to ``angle_rad``: about the vertical, exactly."""
-    return rotate(light, rotation_about_axis(1, -angle_rad))
+    seen, wanted = picture[is_scored], photo[is_scored]
+    return float((seen * wanted).sum() / (seen * seen).sum())
 
 
 def diffuse_oracle(

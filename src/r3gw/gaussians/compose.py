@@ -1,11 +1,13 @@
 """One rendering pass over both sets of Gaussians (method 6).
 
 Feature channels, in this order: display colour (3), camera depth (1), foreground normal (3),
-foreground-only and sky-only channel sum (1 each). The last two carry no colour gradient.
+foreground-only and sky-only channel sum (1 each). The last two carry no colour gradient; where a
+silhouette takes the place of Eq. 15 they hold its marks (`silhouette_marks`).
 """
 
 from dataclasses import dataclass
 
+import torch
 from jaxtyping import Float
 from torch import Tensor
 
@@ -54,12 +56,12 @@ class Rendering:
 
     @property
     def foreground(self) -> Float[Tensor, "h w"]:
-        """Channel sum of the foreground's colour."""
+        """Channel sum of the foreground's colour, or the first mark of a silhouette."""
         return self.planes[FOREGROUND]
 
     @property
     def sky(self) -> Float[Tensor, "h w"]:
-        """Channel sum of the sky's colour."""
+        """Channel sum of the sky's colour, or the second mark."""
         return self.planes[SKY]
 
 
@@ -78,7 +80,21 @@ def render(
         sky_light: Sky coefficients (Eq. 11); None paints the sky white, as the protocol of
             test views does.
     """
-    return draw(splats_of(model, camera, light, sky_light), camera)
+    splats = splats_of(model, camera, light, sky_light)
+    if model.settings.silhouette.enabled:
+        splats = splats.with_channel_sums(silhouette_marks(model))
+    return draw(splats, camera)
+
+
+def silhouette_marks(model: SceneModel) -> Float[Tensor, "n 2"]:
+    """Channel sums of which Eq. 15's mean over pixels and channels makes the silhouette loss.
+
+    On sky pixels it counts the foreground's opacity, elsewhere ``-solid`` times that; so it is
+    `r3gw.losses.separation.silhouette_loss` less a number that depends on the masks alone.
+    """
+    marks = torch.zeros(model.num_gaussians, 2)
+    marks[: len(model.foreground)] = torch.tensor([3.0, -3.0 * model.settings.silhouette.solid])
+    return marks
 
 
 def draw(splats: Splats, camera: Camera) -> Rendering:

@@ -91,7 +91,10 @@ def densify(
     ):
         if len(rows) == 0:
             continue
-        chosen = _strongest(grads, threshold, budget)
+        room = budget
+        if rows is model.sky.rows:
+            room = min(room, int(settings.sky_share * settings.max_gaussians) - len(rows))
+        chosen = _strongest(grads, threshold, room)
         budget -= int(chosen.sum())
         is_large = too_large(rows["log_scales"], settings.large_scale * size)
         huge = settings.huge_scale * size if prune_huge else float("inf")

@@ -53,6 +53,10 @@ class Splats:
         """The same Gaussians in other colours; the two channel sums stay as they are."""
         return replace(self, features=torch.cat([colours, self.features[:, 3:]], dim=-1))
 
+    def with_channel_sums(self, sums: Float[Tensor, "n 2"]) -> "Splats":
+        """The same Gaussians with other values in the two channel sums."""
+        return replace(self, features=torch.cat([self.features[:, :7], sums], dim=-1))
+
 
 def splats_of(
     model: SceneModel,

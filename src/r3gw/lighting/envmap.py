@@ -110,10 +110,3 @@ def read_env_map(path: Path) -> Float[Tensor, "h w 3"]:
             f"but this one is {width}x{height} px"
         )
     return torch.from_numpy(np.ascontiguousarray(image))
-
-
-def brightened(
-    env_map: Float[Tensor, "h w 3"], threshold: float, scale: float
-) -> Float[Tensor, "h w 3"]:
-    """Multiply values above ``threshold`` by ``scale``: a clipped sun made bright again."""
-    return torch.where(env_map > threshold, env_map * scale, env_map)

@@ -1,4 +1,4 @@
-"""Keeping sky and foreground apart: Eq. 15 in the picture, Eq. 16 in depth."""
+"""Keeping sky and foreground apart: Eq. 15 or a silhouette in the picture, Eq. 16 in depth."""
 
 import torch
 from jaxtyping import Bool, Float
@@ -20,6 +20,27 @@ def separation_loss(
     """
     wrong = torch.where(is_sky, foreground, sky)
     return torch.where(is_valid, wrong, 0.0).sum() / (3 * is_valid.sum()).clamp_min(1)
+
+
+def silhouette_loss(
+    opacity: Float[Tensor, "h w"],
+    is_sky: Bool[Tensor, "h w"],
+    is_valid: Bool[Tensor, "h w"],
+    solid: float,
+) -> Float[Tensor, ""]:
+    """Mean, over valid pixels, of foreground on sky pixels and of what it lets through elsewhere.
+
+    Unlike Eq. 15 it asks nothing of the sky, which may lie behind the foreground; Eq. 15 thins
+    both sets along the outline, and the black behind them shows (docs/studies.md).
+
+    Args:
+        opacity: That the foreground contributes.
+        is_sky: True on sky pixels.
+        is_valid: False on occluders.
+        solid: Weight of what it lets through.
+    """
+    wrong = torch.where(is_sky, opacity, solid * (1 - opacity))
+    return torch.where(is_valid, wrong, 0.0).sum() / is_valid.sum().clamp_min(1)
 
 
 def sky_depth_loss(

@@ -15,7 +15,7 @@ from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.reporting.tables import method_name
 from r3gw.scene import Scene, View
 
-BY_KNOWLEDGE = ("exact", "learned", "nerf-osr", "full-yaw")
+BY_KNOWLEDGE = ("exact", "learned", "nerf-osr", "full-yaw", "nerf-osr-linear")
 
 
 @dataclass(frozen=True)

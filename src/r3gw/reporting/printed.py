@@ -18,6 +18,7 @@ HIGHER_IS_BETTER = {"psnr", "ssim"}
 PANELS = {
     "nerf-osr": "protocol nerf-osr: published angles, the best chosen by an oracle",
     "full-yaw": "protocol full-yaw: whole circle, the best angle chosen by an oracle",
+    "nerf-osr-linear": "protocol nerf-osr-linear: linear maps, angle and exposure by an oracle",
     "exact": "protocol exact: true light, nothing chosen",
     "learned": "protocol learned: training views under their own lights",
 }

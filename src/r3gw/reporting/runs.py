@@ -17,6 +17,7 @@ METRICS = ("psnr", "ssim", "mse", "mae")
 SUFFIXES = {
     "nerf-osr": "",
     "full-yaw": "_full_yaw",
+    "nerf-osr-linear": "_linear",
     "exact": "_exact",
     "learned": "_learned",
 }

@@ -80,6 +80,7 @@ class DensitySettings(Strict):
     reset_interval: int | None = Field(gt=0)
     reset_opacity: float = Field(gt=0, lt=1)
     max_gaussians: int = Field(gt=0)
+    sky_share: float = Field(gt=0, le=1)
 
 
 class SkySettings(Strict):
@@ -89,6 +90,13 @@ class SkySettings(Strict):
     min_count: int = Field(gt=0)
     max_count: int = Field(gt=0)
     azimuth_range: str = Field(pattern="^(cameras|full)$")
+
+
+class SilhouetteSettings(Strict):
+    """The foreground's opacity in place of Eq. 15 (r3gw.losses.separation); not in the paper."""
+
+    enabled: bool
+    solid: float = Field(ge=0)
 
 
 class OcclusionSettings(Strict):
@@ -130,6 +138,7 @@ class TrainSettings(Strict):
     weights: WeightSettings
     density: DensitySettings
     sky: SkySettings
+    silhouette: SilhouetteSettings
     occlusion: OcclusionSettings
     outdoor: OutdoorSettings
 

@@ -61,8 +61,8 @@ def generate(
     try:
         plans = _plan(scene, seed, size_px, train_views, test_views)
         with tqdm(total=len(plans), desc=name, unit="photo", disable=not show_progress) as bar:
-            shots, yaws = _render(scene, seed, plans, samples, partial, bar.update)
-        _write(scene, seed, shots, yaws, samples, partial)
+            shots, panoramas = _render(scene, seed, plans, samples, partial, bar.update)
+        _write(scene, seed, shots, panoramas, samples, partial)
         if target.is_dir():
             target.rmdir()
         partial.replace(target)
@@ -118,18 +118,19 @@ def _render(
     samples: int,
     root: Path,
     done: Callable[[], object],
-) -> tuple[list[write.Shot], dict[str, float]]:
-    """Render and write session by session; return photos by name, and the panoramas' headings."""
+) -> tuple[list[write.Shot], dict[str, write.Panorama]]:
+    """Render and write session by session; return photos by name, and the panoramas."""
     studio = Studio(scene, seed, samples)
-    shots, yaws = [], {}
+    shots, panoramas = [], {}
     for session in scene.sessions:
         visit = [plan for plan in plans if plan.session == session]
         if not visit:
             continue
         random = stream(seed, scene.name, session.name)
         light = lights.environment(session, random)
-        yaws[session.name] = lights.whole_pixel_yaw(float(random.uniform(-pi, pi)))
-        write.write_light(root, session, light, yaws[session.name])
+        yaw_rad = lights.whole_pixel_yaw(float(random.uniform(-pi, pi)))
+        panoramas[session.name] = write.Panorama(yaw_rad, lights.clipped_scale(light))
+        write.write_light(root, session, light, yaw_rad)
         exposure = Exposure(light, random)
         emitter = render.emitter(light)
         place = studio.lit(emitter)
@@ -137,20 +138,20 @@ def _render(
             shots.append(studio.shoot(plan, place, emitter, exposure))
             write.write_shot(root, shots[-1])
             done()
-    return sorted(shots, key=lambda shot: shot.stem), yaws
+    return sorted(shots, key=lambda shot: shot.stem), panoramas
 
 
 def _write(
     scene: Place,
     seed: int,
     shots: Sequence[write.Shot],
-    yaws: dict[str, float],
+    panoramas: dict[str, write.Panorama],
     samples: int,
     root: Path,
 ) -> None:
     """Everything that needs all photos: split, evaluation entries, model, facts."""
     write.write_split(root, scene.name, shots)
-    write.write_test_config(root, shots, yaws, stream(seed, scene.name, "sweeps"))
+    write.write_test_config(root, shots, panoramas, stream(seed, scene.name, "sweeps"))
     views = [
         points.View(shot.camera, shot.truth.depth, shot.is_kept, shot.photo)
         for shot in shots
@@ -166,4 +167,4 @@ def _write(
         "mitsuba": version("mitsuba"),
         "max_depth": render.MAX_DEPTH,
     }
-    write.write_facts(root, shots, yaws, made_with)
+    write.write_facts(root, shots, panoramas, made_with)

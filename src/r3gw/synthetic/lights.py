@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from r3gw.imaging.colour import display_array_from_linear
 from r3gw.lighting.daylight import (
     GROUND_ALBEDO,
     Map,
@@ -26,6 +27,8 @@ from r3gw.lighting.envmap import pixel_directions
 from r3gw.synthetic.textures import noise
 
 HEIGHT_PX = 256
+# A panorama's display values above this count as clipped, as in the published entries.
+CLIPPED = 0.99
 # Geometric mean of a panorama's linear values: under middle grey, to keep the sky unclipped.
 PANORAMA_GREY = 0.1
 
@@ -123,17 +126,40 @@ def phone_panorama(light: Map, yaw_rad: float) -> NDArray[np.float32]:
         yaw_rad: The phone's own heading: the picture's azimuth ``psi`` shows the world's azimuth
             ``psi + yaw``; the picture is turned by the nearest whole pixel (`whole_pixel_yaw`).
     """
-    bright = light.mean(axis=2)
-    exposure = PANORAMA_GREY / np.exp(np.log(bright + 1e-6).mean())
-    exposed = light * exposure
+    picture = display_array_from_linear(_captured(light))
+    shift = round(yaw_rad / (2 * pi) * light.shape[1])
+    return np.asarray(np.roll(picture, -shift, axis=1), dtype=np.float32)
+
+
+def clipped_scale(light: Map) -> float:
+    """Factor on a panorama's clipped values that gives back the light that clipping took.
+
+    One number per session, at least 1: a grey sky has no sun to give back.
+
+    Args:
+        light: The session's linear map.
+    """
+    captured = _captured(light)
+    weight = solid_angles(light.shape[0])
+    lost = float((weight * (_exposed(light) - captured)).sum())
+    clipped = float((weight * (display_array_from_linear(captured) > CLIPPED)).sum())
+    return 1.0 + max(lost, 0.0) / clipped if clipped > 0 else 1.0
+
+
+def _exposed(light: Map) -> Map:
+    exposure = PANORAMA_GREY / np.exp(np.log(light.mean(axis=2) + 1e-6).mean())
+    return np.asarray(light * exposure)
+
+
+def _captured(light: Map) -> Map:
+    """Linear values that reach the file: the sun clipped, its glare spilled around it."""
+    exposed = _exposed(light)
     spill = np.minimum(exposed, 400.0) - np.minimum(exposed, 1.5)
     bloom = np.zeros_like(exposed)
     for sigma, share in ((1.2, 0.5), (5.0, 0.35), (16.0, 0.15)):
         padded = np.concatenate([spill[:, -64:], spill, spill[:, :64]], axis=1)
         bloom += share * cv2.GaussianBlur(padded, (0, 0), sigma)[:, 64:-64]
-    picture = np.clip(np.minimum(exposed, 1.5) + bloom, 0.0, 1.0) ** (1 / 2.2)
-    shift = round(yaw_rad / (2 * pi) * light.shape[1])
-    return np.asarray(np.roll(picture, -shift, axis=1), dtype=np.float32)
+    return np.clip(np.minimum(exposed, 1.5) + bloom, 0.0, 1.0)
 
 
 def whole_pixel_yaw(yaw_rad: float, height: int = HEIGHT_PX) -> float:

@@ -1,6 +1,6 @@
 """Write a generated scene as layout A with ground truth; every path of the layout is named here."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import degrees, radians
 from pathlib import Path
@@ -15,11 +15,9 @@ from r3gw.geometry.cameras import Camera
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.lighting.daylight import Map
-from r3gw.synthetic.lights import Session, phone_panorama, published_sun_angle
+from r3gw.synthetic.lights import CLIPPED, Session, phone_panorama, published_sun_angle
 from r3gw.synthetic.points import Points
 from r3gw.synthetic.render import Truth
-
-ENV_MAP_THRESHOLD, ENV_MAP_SCALE = 0.99, 20.0
 
 
 @dataclass(frozen=True)
@@ -55,6 +53,19 @@ class Shot:
         return np.round(display_array_from_linear(linear) * 255.0).astype(np.uint8)
 
 
+@dataclass(frozen=True)
+class Panorama:
+    """What is known about a session's phone panorama.
+
+    Attributes:
+        yaw_rad: The phone's heading.
+        scale: Factor on its clipped values (`r3gw.synthetic.lights.clipped_scale`).
+    """
+
+    yaw_rad: float
+    scale: float
+
+
 def write_shot(root: Path, shot: Shot) -> None:
     """Photo, masks and ground truth of one view."""
     base, stem = root / "undistorted", shot.stem
@@ -88,14 +99,17 @@ def write_split(root: Path, name: str, shots: Sequence[Shot]) -> None:
 
 
 def write_test_config(
-    root: Path, shots: Sequence[Shot], yaws_rad: dict[str, float], random: np.random.Generator
+    root: Path,
+    shots: Sequence[Shot],
+    panoramas: Mapping[str, Panorama],
+    random: np.random.Generator,
 ) -> None:
     """The evaluation entries, a Python file as the published ones are.
 
     Args:
         root: Scene folder.
         shots: All photos; test photos get an entry.
-        yaws_rad: Heading of each session's panorama.
+        panoramas: Of each session.
         random: Places the true angle inside the sweep, off its middle.
     """
     entries = []
@@ -103,15 +117,16 @@ def write_test_config(
         if not shot.session.is_test:
             continue
         name = shot.session.name
-        angle = published_sun_angle(shot.session, yaws_rad[name])
+        panorama = panoramas[name]
+        angle = published_sun_angle(shot.session, panorama.yaw_rad)
         low = angle - 0.6 + float(random.uniform(-0.25, 0.25))
         entries.append(
             f'    "{shot.stem}.jpg": {{\n'
             f'        "mask_path": "eval_files/eval_mask/{shot.stem}.png",\n'
             f'        "env_map_path": "eval_files/ENV_MAP_CC/{name}/envmap.jpg",\n'
             '        "initial_env_map_rotation": {"x": -np.pi/2, "y": 0, "z": 0},\n'
-            f'        "env_map_scaling": {{"threshold": {ENV_MAP_THRESHOLD}, '
-            f'"scale": {ENV_MAP_SCALE}}},\n'
+            f'        "env_map_scaling": {{"threshold": {CLIPPED}, '
+            f'"scale": {panorama.scale:.2f}}},\n'
             f'        "sun_angles": [{low:.6f}, {low + 1.2:.6f}],\n'
             "    },\n"
         )
@@ -157,7 +172,10 @@ def write_model(root: Path, shots: Sequence[Shot], points: Points) -> None:
 
 
 def write_facts(
-    root: Path, shots: Sequence[Shot], yaws_rad: dict[str, float], made_with: dict[str, Any]
+    root: Path,
+    shots: Sequence[Shot],
+    panoramas: Mapping[str, Panorama],
+    made_with: dict[str, Any],
 ) -> None:
     """ground_truth.json: exposure of each view, light of each session, how it was made."""
     views = {
@@ -168,13 +186,13 @@ def write_facts(
         }
         for shot in shots
     }
-    sessions = {shot.session.name: _session_facts(shot.session, yaws_rad) for shot in shots}
+    sessions = {shot.session.name: _session_facts(shot.session, panoramas) for shot in shots}
     facts = {"views": views, "sessions": sessions, "made_with": made_with}
     write_json(root / "ground_truth" / "ground_truth.json", facts)
 
 
-def _session_facts(session: Session, yaws_rad: dict[str, float]) -> dict[str, Any]:
-    yaw = yaws_rad[session.name]
+def _session_facts(session: Session, panoramas: Mapping[str, Panorama]) -> dict[str, Any]:
+    yaw = panoramas[session.name].yaw_rad
     angle = published_sun_angle(session, yaw)
     return {
         "split": "test" if session.is_test else "train",

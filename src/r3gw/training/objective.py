@@ -49,7 +49,10 @@ def objective(
         acting,
     )
     known = [pixels.total]
-    parts = {"separation": acting.separation * pixels.separation}
+    separation = pixels.separation
+    if model.settings.silhouette.enabled:
+        separation += model.settings.silhouette.solid * photo.solid_share
+    parts = {"separation": acting.separation * separation}
     if iteration <= schedule.warm_up:
         return rendering, sum_of(known), parts
 
