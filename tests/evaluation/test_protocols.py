@@ -118,6 +118,19 @@ def test_oracle_under_uniform_light(tiny, uniform_oracle):
     np.testing.assert_array_equal(picture[:14], 1.0)  # white sky
 
 
+@pytest.mark.parametrize(
+    ("is_linear", "radiance"), [(False, 3 * 247 / 255), (True, 3 * (247 / 255) ** 2.2)]
+)
+def test_clipped_is_a_display_value_in_both_protocols(tiny, is_linear, radiance):
+    """247 / 255 is above the threshold of 0.95, though its linear value is not."""
+    write_image(tiny.folder / "envmaps" / "bright.png", np.full((8, 16, 3), 247, np.uint8))
+    view = tiny.view("c_swept")
+    entry = view.evaluation.model_copy(update={"env_map": "envmaps/bright.png", "scale": 3.0})
+    light = published_light(tiny.bench, view, entry, is_linear=is_linear)
+    expected = torch.full((3,), radiance * (4 * np.pi) ** 0.5)
+    torch.testing.assert_close(light[0], expected, rtol=1e-5, atol=0)
+
+
 def test_a_turn_about_y_or_z_is_refused(tiny):
     view = tiny.view("c_swept")
     entry = view.evaluation.model_copy(update={"rotation_rad": (-1.5, 0.2, 0.0)})

@@ -39,11 +39,11 @@ def model(repository) -> SceneModel:
 
 @pytest.fixture
 def photo() -> Photo:
-    """Upper half sky, an occluder at the left in both halves."""
+    """Upper third sky, an occluder at the left of all."""
     pose = torch.eye(4, dtype=torch.float64)
     camera = Camera(pose, (30.0, 30.0, WIDTH / 2, HEIGHT / 2), WIDTH, HEIGHT)
     is_sky = torch.zeros(HEIGHT, WIDTH, dtype=torch.bool)
-    is_sky[: HEIGHT // 2] = True
+    is_sky[: HEIGHT // 3] = True
     is_valid = torch.ones_like(is_sky)
     is_valid[:, :7] = False
     planes = torch.full((3, HEIGHT, WIDTH), 128, dtype=torch.uint8)

@@ -34,10 +34,10 @@ def test_a_study_compares_its_changes_with_runs_that_are_there(finished):
     assert planned(finished, "study", STUDY) == set()
 
 
-@pytest.mark.parametrize("name", ["short_runs", "chosen"])
+@pytest.mark.parametrize("name", ["short_runs", "chosen", "outline"])
 def test_shipped_studies_keep_the_default_scenes(untouched, repository, name):
     shipped = read_yaml(repository / f"config/studies/{name}.yaml")
-    assert set(shipped) == {"train", "study"}
+    assert set(shipped) - {"train"} == {"study"}
     done = snakemake(untouched, "--dry-run", "study", config=shipped)
     assert done.returncode == 0, done.stderr
     default = read_yaml(repository / "config/config.yaml")

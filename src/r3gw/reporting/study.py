@@ -27,9 +27,12 @@ from r3gw.reporting.summary import (
 FIGURES = {
     "psnr_exact": ("PSNR, true light", 2),
     "psnr": ("PSNR, nerf-osr", 2),
+    "psnr_linear": ("PSNR, nerf-osr-linear", 2),
     "ssim_exact": ("SSIM, true light", 3),
     "ssim": ("SSIM, nerf-osr", 3),
     "psnr_learned": ("PSNR, learned", 2),
+    "sky_boundary_psnr": ("PSNR, outline", 2),
+    "sky_foreground_alpha": ("foreground opacity on sky", 3),
 }
 GAINED = ("psnr_exact", "psnr", "psnr_learned")
 
