@@ -9,6 +9,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from r3gw.evaluation.lights import light_of_map
 from r3gw.evaluation.metrics import evaluation_mask
 from r3gw.gaussians.compose import render
 from r3gw.gaussians.model import SceneModel
@@ -91,6 +92,4 @@ def scored_pixels(scene_folder: Path, view: View) -> Bool[np.ndarray, "h w"]:
 
 @lru_cache(maxsize=64)
 def _projected(path: Path, degree: int) -> Float[Tensor, "coeff 3"]:
-    env_map = envmap.read_env_map(path)
-    height, width = env_map.shape[:2]
-    return envmap.project(env_map, envmap.pixel_directions(height, width), degree)
+    return light_of_map(envmap.read_env_map(path), degree)

@@ -46,7 +46,7 @@ def linear_env_map(path: Path) -> Float[Tensor, "h w 3"]:
 def light_of_map(env_map: Float[Tensor, "h w 3"], degree: int) -> Float[Tensor, "coeff 3"]:
     """SH light of a linear map that hangs as r3gw.lighting.envmap says."""
     height, width = env_map.shape[:2]
-    return envmap.project(env_map, envmap.pixel_directions(height, width), degree)
+    return envmap.projected(env_map, envmap.own_weights(height, width, degree))
 
 
 @torch.no_grad()

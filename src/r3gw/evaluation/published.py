@@ -1,5 +1,7 @@
 """The light of a test view by the NeRF-OSR protocol: the session's map, mirrored and turned."""
 
+from functools import lru_cache
+
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -33,8 +35,16 @@ def published_light(
     bright = torch.where(display > entry.threshold, light * entry.scale, light)
     height, width = bright.shape[:2]
     turn_rad = published_turn_rad(view, entry)
+    return envmap.projected(bright, _weights(height, width, turn_rad, bench.light_degree))
+
+
+@lru_cache(maxsize=2)
+def _weights(
+    height: int, width: int, turn_rad: float, degree: int
+) -> Float[Tensor, "{height} {width} coeff"]:
+    """Kept, because the maps of a scene are alike."""
     directions = envmap.published_directions(height, width, turn_rad, 0.0)
-    return envmap.project(bright, directions, bench.light_degree)
+    return envmap.projection_weights(directions, degree)
 
 
 def published_turn_rad(view: View, entry: EvaluationEntry) -> float:

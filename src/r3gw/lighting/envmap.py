@@ -5,6 +5,7 @@ direction of polar angle ``pi v`` from up and azimuth ``2 pi (u - 0.5)`` (r3gw.g
 the map's centre looks along +z and its right half towards +x, as a panorama seen from inside.
 """
 
+from functools import lru_cache
 from math import pi
 from pathlib import Path
 
@@ -74,6 +75,12 @@ def projection_weights(
     weight = torch.sin(theta)
     weight = weight * (4 * pi / weight.sum())
     return sh.basis(directions.double(), degree) * weight[..., None]
+
+
+@lru_cache(maxsize=2)
+def own_weights(height: int, width: int, degree: int) -> Float[Tensor, "{height} {width} coeff"]:
+    """`projection_weights` of maps that hang as this module says; the last two are kept."""
+    return projection_weights(pixel_directions(height, width), degree)
 
 
 def projected(

@@ -5,6 +5,8 @@ transforms at enough directions: ``Y(R^-1 d) = M^T Y(d)`` holds for every d, and
 more directions than the band has functions recovers M to rounding error.
 """
 
+from functools import lru_cache
+
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -22,11 +24,18 @@ def rotate(
         rotation: Right-handed rotation matrix.
     """
     degree = int(coefficients.shape[0] ** 0.5) - 1
-    generator = torch.Generator().manual_seed(0)
-    directions = torch.randn(4 * coefficients.shape[0], 3, generator=generator, dtype=torch.float64)
-    directions = torch.nn.functional.normalize(directions, dim=-1)
-    after = sh.basis(directions, degree)
+    directions, after = _probes(degree)
     before = sh.basis(directions @ rotation.double(), degree)  # rows: R^T d
     # radiance after(d) = before(R^T d): solve after @ new = before @ old in least squares.
     turned: Tensor = torch.linalg.lstsq(after, before @ coefficients.double()).solution
     return turned.to(coefficients.dtype)
+
+
+@lru_cache(maxsize=4)
+def _probes(degree: int) -> tuple[Float[Tensor, "n 3"], Float[Tensor, "n coeff"]]:
+    """Directions enough to settle all coefficients, and the basis there."""
+    count = 4 * sh.num_coefficients(degree)
+    generator = torch.Generator().manual_seed(0)
+    directions = torch.randn(count, 3, generator=generator, dtype=torch.float64)
+    directions = torch.nn.functional.normalize(directions, dim=-1)
+    return directions, sh.basis(directions, degree)
