@@ -6,16 +6,9 @@ import pytest
 import torch
 
 from r3gw.evaluation.pictures import bytes_from_display
-from r3gw.evaluation.protocols import (
-    PROTOCOLS,
-    Exact,
-    FullYaw,
-    Learned,
-    NerfOsr,
-    NerfOsrLinear,
-    diffuse_oracle,
-)
+from r3gw.evaluation.protocols import PROTOCOLS, Exact, Learned, diffuse_oracle
 from r3gw.evaluation.published import published_light
+from r3gw.evaluation.swept import FullYaw, NerfOsr, NerfOsrLinear
 from r3gw.files import InputError
 from r3gw.imaging.files import write_image
 from r3gw.imaging.masks import erode

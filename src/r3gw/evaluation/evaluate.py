@@ -21,8 +21,9 @@ from r3gw.evaluation.decomposition import light_records, sky_records, surface_re
 from r3gw.evaluation.gallery import evenly, write_gallery
 from r3gw.evaluation.lights import photo_light
 from r3gw.evaluation.pictures import bytes_from_display, depth_picture, normal_picture
-from r3gw.evaluation.protocols import PROTOCOLS, Outcome, ViewProtocol
+from r3gw.evaluation.protocols import PROTOCOLS
 from r3gw.evaluation.surfaces import apart, surfaces_of
+from r3gw.evaluation.view_protocol import Outcome, ViewProtocol
 from r3gw.files import InputError, write_json
 from r3gw.gaussians.model import SceneModel, load_model
 from r3gw.imaging.colour import display_array_from_linear
