@@ -10,7 +10,7 @@ from r3gw.evaluation.protocols import PROTOCOLS, Exact, Learned, diffuse_oracle
 from r3gw.evaluation.published import published_light
 from r3gw.evaluation.swept import FullYaw, NerfOsr, NerfOsrLinear
 from r3gw.files import InputError
-from r3gw.imaging.files import write_image
+from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.masks import erode
 from r3gw.lighting import envmap
 
@@ -122,6 +122,24 @@ def test_clipped_is_a_display_value_in_both_protocols(tiny, is_linear, radiance)
     light = published_light(tiny.bench, view, entry, is_linear=is_linear)
     expected = torch.full((3,), radiance * (4 * np.pi) ** 0.5)
     torch.testing.assert_close(light[0], expected, rtol=1e-5, atol=0)
+
+
+def test_a_linear_file_is_linear_already(tiny):
+    write_exr(tiny.folder / "envmaps" / "half.exr", np.full((8, 16, 3), 0.5, np.float32))
+    view = tiny.view("c_swept")
+    entry = view.evaluation.model_copy(update={"env_map": "envmaps/half.exr"})
+    expected = torch.full((3,), 0.5 * (4 * np.pi) ** 0.5)
+    for is_linear in (False, True):
+        light = published_light(tiny.bench, view, entry, is_linear=is_linear)
+        torch.testing.assert_close(light[0], expected, rtol=1e-5, atol=0)
+
+
+def test_a_black_map_is_refused(tiny):
+    write_image(tiny.folder / "envmaps" / "black.png", np.zeros((8, 16, 3), np.uint8))
+    view = tiny.view("c_swept")
+    entry = view.evaluation.model_copy(update={"env_map": "envmaps/black.png"})
+    with pytest.raises(InputError, match=r"black\.png: is black.*c_swept.*replace"):
+        published_light(tiny.bench, view, entry)
 
 
 def test_a_turn_about_y_or_z_is_refused(tiny):

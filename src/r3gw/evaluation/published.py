@@ -7,9 +7,9 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.lights import linear_env_map
 from r3gw.files import InputError
 from r3gw.geometry.rotations import rotation_about_axis
-from r3gw.imaging.colour import linear_from_display
 from r3gw.lighting import envmap
 from r3gw.lighting.sh_rotation import rotate
 from r3gw.scene import EvaluationEntry, View
@@ -25,14 +25,17 @@ def published_light(
         view: Named in errors.
         entry: Map, initial rotation, threshold and scale.
         is_linear: Whether display values are made linear, as the published protocol does not. The
-            threshold is one of display values either way.
+            threshold is one of the file's values either way.
 
     Raises:
-        InputError: If the map is unreadable or its initial rotation is not about x alone.
+        InputError: If the map is unreadable or black, or its initial rotation is not about x alone.
     """
-    display = envmap.read_env_map(bench.scene_folder / entry.env_map)
-    light = linear_from_display(display) if is_linear else display
-    bright = torch.where(display > entry.threshold, light * entry.scale, light)
+    path = bench.scene_folder / entry.env_map
+    given = envmap.read_env_map(path)
+    if not given.any():
+        raise InputError(f"{path}: is black, so view '{view.name}' has no light; replace the map")
+    light = linear_env_map(path) if is_linear else given
+    bright = torch.where(given > entry.threshold, light * entry.scale, light)
     height, width = bright.shape[:2]
     turn_rad = published_turn_rad(view, entry)
     return envmap.projected(bright, _weights(height, width, turn_rad, bench.light_degree))
