@@ -3,7 +3,7 @@
 PYTHON ?= python3.11
 CORES ?= 2
 BIN := .venv/bin
-SOURCES := pyproject.toml setup.py $(wildcard src/r3gw/*/csrc/*)
+SOURCES := pyproject.toml setup.py $(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
 .PHONY: all ablations test lint sanitize clean
 
@@ -34,7 +34,7 @@ sanitize: .venv/installed-test
 	LD_PRELOAD="$$(c++ -print-file-name=libasan.so) $$(c++ -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
 	PYTHONPATH=$(SANITIZED)/package $(BIN)/python -m pytest -p no:cacheprovider \
-		tests/raster tests/losses tests/gaussians
+		tests/raster tests/training tests/model tests/rendering
 
 .venv/bin/python:
 	$(PYTHON) -m venv .venv

@@ -35,7 +35,7 @@ setup(
     ext_modules=[
         CppExtension(
             "r3gw._C",
-            sorted(str(path) for path in Path("src/r3gw").glob("*/csrc/*.cpp")),
+            sorted(str(path) for path in Path("src/r3gw").glob("**/csrc/*.cpp")),
             include_dirs=[str(Path("src/r3gw").resolve())],
             extra_compile_args=flags,
             extra_link_args=link_flags,

@@ -24,18 +24,19 @@ from jaxtyping import Float
 from r3gw.evaluation.bench import Bench
 from r3gw.evaluation.decomposition import scale_per_channel, surface_records
 from r3gw.evaluation.metrics import masked_psnr
-from r3gw.evaluation.pictures import bytes_from_display, normal_picture
-from r3gw.evaluation.surfaces import surfaces_of
 from r3gw.files import atomic_path
-from r3gw.gaussians.appearance import Appearance, PhotoLight
-from r3gw.gaussians.initial import InitialPoints, load_initial
-from r3gw.gaussians.model import initial_model, light_rows
+from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import pixel_rays
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_linear, write_image
+from r3gw.imaging.pictures import bytes_from_display, normal_picture
+from r3gw.model.appearance import Appearance, PhotoLight
+from r3gw.model.initial import InitialPoints, load_initial
+from r3gw.model.model import initial_model, light_rows
+from r3gw.model.settings import TrainSettings
+from r3gw.pipeline.config import load_config, run_settings
+from r3gw.rendering.surfaces import surfaces_of
 from r3gw.scene import Scene, load_scene
-from r3gw.settings import TrainSettings, load_config, run_settings
-from r3gw.settings.validation import read_yaml
 from r3gw.training.loop import train
 from r3gw.training.photos import load_photos
 from r3gw.training.run import first_skies

@@ -22,13 +22,13 @@ from torch.profiler import ProfilerActivity, profile
 
 from r3gw.files import atomic_path
 from r3gw.files.provenance import peak_rss_mb
-from r3gw.gaussians.initial import InitialPoints
-from r3gw.gaussians.model import SceneModel, initial_model, load_model
-from r3gw.gaussians.sky import SkyDome, sample_dome
+from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
+from r3gw.model.initial import InitialPoints
+from r3gw.model.model import SceneModel, initial_model, load_model
+from r3gw.model.settings import TrainSettings
+from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.scene import load_scene
-from r3gw.settings import TrainSettings
-from r3gw.settings.validation import read_yaml
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step
 from r3gw.training.photos import Photo, load_photos

@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 import torch
 
+pytest_plugins = ["support.tiny"]
+
 
 @pytest.fixture(scope="session")
 def repository() -> Path:

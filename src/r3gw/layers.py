@@ -1,20 +1,16 @@
 """Import order of r3gw, bottom to top: a package imports only from layers below its own."""
 
 LAYERS = (
-    ("files",),
-    ("settings",),
+    ("native", "files"),
     ("geometry", "imaging"),
     ("lighting", "scene"),
-    ("synthetic", "sfm", "masks", "raster"),
-    ("shading",),
-    ("gaussians",),
-    ("losses",),
+    ("benchmark", "masks", "raster"),
+    ("importing", "model"),
+    ("rendering",),
     ("training",),
+    ("relight",),
     ("evaluation",),
-    ("relightable",),
-    ("relighting",),
-    ("export",),
     ("reporting",),
-    ("doctor",),
+    ("pipeline",),
     ("cli",),
 )

@@ -17,10 +17,10 @@ from r3gw.evaluation.decomposition import (
     sky_records,
     surface_records,
 )
-from r3gw.evaluation.surfaces import apart, surfaces_of
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import write_exr
 from r3gw.lighting import envmap
+from r3gw.rendering.surfaces import apart, surfaces_of
 
 
 def test_scale_is_found_per_channel():

@@ -1,4 +1,4 @@
-"""r3gw.evaluation.evaluate: the stage from files to files."""
+"""r3gw.evaluation.stage: the stage from files to files."""
 
 import json
 from time import perf_counter
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from r3gw.evaluation.evaluate import evaluate_run
+from r3gw.evaluation.stage import evaluate_run
 from r3gw.files import InputError
 from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.lighting import sh

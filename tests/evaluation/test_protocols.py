@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 import torch
 
-from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.evaluation.protocols import PROTOCOLS, Exact, Learned, diffuse_oracle
-from r3gw.evaluation.published import published_light
-from r3gw.evaluation.swept import FullYaw, NerfOsr, NerfOsrLinear
+from r3gw.evaluation.protocols.published import published_light
+from r3gw.evaluation.protocols.swept import FullYaw, NerfOsr, NerfOsrLinear
 from r3gw.files import InputError
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.masks import erode
+from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
 
 BEST_INDEX, SWEEP_RAD = 17, (-1.0, 1.5)

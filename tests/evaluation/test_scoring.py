@@ -8,8 +8,8 @@ from click.testing import CliRunner
 
 from r3gw.cli.group import cli
 from r3gw.cli.score import score as _registered  # noqa: F401
-from r3gw.evaluation.evaluate import evaluate_run
 from r3gw.evaluation.scoring import mean_scores, pooled_scores, score_folders
+from r3gw.evaluation.stage import evaluate_run
 from r3gw.files import InputError
 from r3gw.imaging.files import write_image
 

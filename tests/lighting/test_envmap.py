@@ -12,7 +12,7 @@ from r3gw.files import InputError
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.lighting import envmap, sh
 from r3gw.lighting.irradiance import irradiance
-from r3gw.shading.cook_torrance import specular
+from r3gw.rendering.cook_torrance import specular
 
 HEIGHT, WIDTH = 64, 128
 # A clamped cosine in bands 0 to 4 (Ramamoorthi and Hanrahan 2001, Eq. 8).

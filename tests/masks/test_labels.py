@@ -6,7 +6,7 @@ import pytest
 from r3gw.files import InputError
 from r3gw.imaging.files import write_image
 from r3gw.masks.labels import read_label_masks
-from r3gw.settings import LabelClasses
+from r3gw.masks.settings import LabelClasses
 
 # The picture: sky above; below, a building, a person and a tree side by side.
 PARTS = np.zeros((30, 40), int)

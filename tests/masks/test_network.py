@@ -7,7 +7,7 @@ from onnx import TensorProto, helper, numpy_helper
 
 from r3gw.files import InputError
 from r3gw.masks.network import SegmentationNetwork
-from r3gw.settings import NetworkSettings
+from r3gw.masks.settings import NetworkSettings
 
 PLAIN = {"mean": (0, 0, 0), "std": (1, 1, 1), "width_px": 96, "height_px": 64}
 

@@ -2,16 +2,17 @@
 
 import json
 
-import layout_a
 import numpy as np
 import pytest
+from support import nerf_osr_layout
 
 from r3gw.files import InputError
+from r3gw.files.strict import validated
 from r3gw.imaging.files import read_grey, write_image
+from r3gw.importing import import_scene
+from r3gw.importing.settings import NerfOsrScene
 from r3gw.masks import load_masks, make_masks
-from r3gw.settings import MaskSources, NerfOsrScene
-from r3gw.settings.validation import validated
-from r3gw.sfm import import_scene
+from r3gw.masks.settings import MaskSources
 
 GIVEN = MaskSources(sky_masks="given")
 ROWS, COLUMNS = np.mgrid[:48, :64]
@@ -19,7 +20,7 @@ ROWS, COLUMNS = np.mgrid[:48, :64]
 
 @pytest.fixture
 def imported(tmp_path):
-    place = layout_a.build(tmp_path / "place")
+    place = nerf_osr_layout.build(tmp_path / "place")
     settings = NerfOsrScene(format="nerf-osr", path=".")
     scene = import_scene("place", settings, place.folder, tmp_path / "scene", num_threads=1)
     return scene, tmp_path / "scene", tmp_path / "masks"

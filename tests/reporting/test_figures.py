@@ -5,17 +5,17 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from made_up_runs import BLUE, GREEN, RED, make_run, make_scene, plain
 from matplotlib import colormaps
+from support.made_up_runs import BLUE, GREEN, RED, make_run, make_scene, plain
 
 from r3gw.files import InputError
-from r3gw.reporting.comparisons import busiest_window
-from r3gw.reporting.evaluated import read_run
-from r3gw.reporting.figures import scene_figures
-from r3gw.reporting.grids import absolute_error
-from r3gw.reporting.kinds import PICTURES, PLOTS
-from r3gw.reporting.style import Cell, Scale, look, picture_grid, save
-from r3gw.reporting.truth import depth_scale
+from r3gw.reporting.figures.comparisons import busiest_window
+from r3gw.reporting.figures.evaluated import read_run
+from r3gw.reporting.figures.grids import absolute_error
+from r3gw.reporting.figures.kinds import PICTURES, PLOTS
+from r3gw.reporting.figures.stage import scene_figures
+from r3gw.reporting.figures.style import Cell, Scale, look, picture_grid, save
+from r3gw.reporting.figures.truth import depth_scale
 from r3gw.scene import load_scene
 
 viridis = colormaps["viridis"]

@@ -1,13 +1,14 @@
 """The contact sheet of masks: what is tinted, and how many photos are shown."""
 
-import layout_a
 import numpy as np
+from support import nerf_osr_layout
 
 from r3gw.imaging.files import read_rgb
+from r3gw.importing import import_scene
+from r3gw.importing.settings import NerfOsrScene
 from r3gw.masks import make_masks
-from r3gw.reporting.masks import mask_sheet, overlay
-from r3gw.settings import MaskSources, NerfOsrScene
-from r3gw.sfm import import_scene
+from r3gw.masks.settings import MaskSources
+from r3gw.reporting.figures.masks import mask_sheet, overlay
 
 
 def test_overlay_tints_what_the_masks_say():
@@ -24,7 +25,7 @@ def test_overlay_tints_what_the_masks_say():
 
 
 def test_sheet_is_the_same_twice_and_shows_sky_and_occluders(tmp_path):
-    place = layout_a.build(tmp_path / "place")
+    place = nerf_osr_layout.build(tmp_path / "place")
     settings = NerfOsrScene(format="nerf-osr", path=".")
     import_scene("place", settings, place.folder, tmp_path / "scene", num_threads=1)
     make_masks(tmp_path / "scene", tmp_path / "masks", MaskSources())

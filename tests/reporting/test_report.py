@@ -1,4 +1,4 @@
-"""r3gw.reporting.report: one sound page, which needs nothing but itself."""
+"""r3gw.reporting.page.stage: one sound page, which needs nothing but itself."""
 
 import base64
 import json
@@ -9,14 +9,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from made_up_runs import GREEN, make_run, make_scene
+from support.made_up_runs import GREEN, make_run, make_scene
 
 from r3gw.files import InputError
-from r3gw.reporting.inline import mask_uri, picture_uri
-from r3gw.reporting.listings import cost, decomposition
-from r3gw.reporting.report import write_report
-from r3gw.reporting.scene_page import SceneFolders
-from r3gw.reporting.tables import table1
+from r3gw.reporting.page.inline import mask_uri, picture_uri
+from r3gw.reporting.page.scene_page import SceneFolders
+from r3gw.reporting.page.stage import write_report
+from r3gw.reporting.tables.listings import cost, decomposition
+from r3gw.reporting.tables.table1 import table1
 
 VOID = {"meta", "link", "img", "input", "br"}
 

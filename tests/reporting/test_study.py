@@ -1,4 +1,4 @@
-"""r3gw.reporting.study against means, gains and spreads worked out by hand."""
+"""r3gw.reporting.tables.study against means, gains and spreads worked out by hand."""
 
 import json
 from pathlib import Path
@@ -8,8 +8,8 @@ import pytest
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
-from r3gw.reporting.study import changed, study_table
-from r3gw.reporting.study_plot import _figure, study_figure
+from r3gw.reporting.figures.study_plot import _figure, study_figure
+from r3gw.reporting.tables.study import changed, study_table
 
 SETTINGS = {"iterations": 100, "seed": 0, "density": {"reset_interval": None, "first": 5}}
 

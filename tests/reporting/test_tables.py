@@ -1,4 +1,4 @@
-"""r3gw.reporting.tables against averages worked out by hand from small metrics files."""
+"""r3gw.reporting.tables.table1 against averages worked out by hand from small metrics files."""
 
 import json
 import re
@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 
 from r3gw.files import InputError
-from r3gw.reporting.listings import cost, decomposition, images_table, runs_table
-from r3gw.reporting.tables import ablations, table1
+from r3gw.reporting.tables.listings import cost, decomposition, images_table, runs_table
+from r3gw.reporting.tables.table1 import ablations, table1
 
 
 def record(view: str, protocol: str, psnr: float, **more: float) -> dict:

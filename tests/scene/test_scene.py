@@ -8,16 +8,7 @@ import torch
 
 from r3gw.files import InputError
 from r3gw.geometry.similarity import Similarity
-from r3gw.scene import (
-    Gauge,
-    Points,
-    Scene,
-    View,
-    load_points,
-    load_scene,
-    save_points,
-    save_scene,
-)
+from r3gw.scene import Gauge, Points, Scene, View, load_points, load_scene, save_points, save_scene
 
 
 def view(name, split="train"):

@@ -5,12 +5,12 @@ import pytest
 import torch
 
 from r3gw.files import InputError
-from r3gw.gaussians.initial import InitialPoints
-from r3gw.gaussians.model import initial_model, save_model
-from r3gw.gaussians.sky import SkyDome, sample_dome
+from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
-from r3gw.settings import TrainSettings
-from r3gw.settings.validation import read_yaml
+from r3gw.model.initial import InitialPoints
+from r3gw.model.model import initial_model, save_model
+from r3gw.model.settings import TrainSettings
+from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.training.loop import train
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.state import Checkpoints, first_state

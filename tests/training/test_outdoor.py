@@ -5,13 +5,13 @@ from math import pi, sqrt
 import pytest
 import torch
 
-from r3gw.gaussians.initial import InitialPoints
-from r3gw.gaussians.model import initial_model
-from r3gw.gaussians.outdoor import OpenSky
-from r3gw.gaussians.sky import SkyDome, sample_dome
+from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
-from r3gw.settings import TrainSettings
-from r3gw.settings.validation import read_yaml
+from r3gw.model.initial import InitialPoints
+from r3gw.model.model import initial_model
+from r3gw.model.outdoor import OpenSky
+from r3gw.model.settings import TrainSettings
+from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.training.objective import objective, open_sky_loss
 from r3gw.training.optimizer import adam_step, make_optimizer
 from r3gw.training.photos import Photo

@@ -3,15 +3,16 @@
 import subprocess
 import sys
 
-import layout_a
 import numpy as np
 import torch
+from support import nerf_osr_layout
 
 from r3gw.imaging.files import write_image
+from r3gw.importing import import_scene
+from r3gw.importing.settings import NerfOsrScene
 from r3gw.masks import make_masks
+from r3gw.masks.settings import MaskSources
 from r3gw.scene import load_scene, save_scene
-from r3gw.settings import MaskSources, NerfOsrScene
-from r3gw.sfm import import_scene
 from r3gw.training.photos import load_photos
 
 SIZE = (896, 1200)
@@ -20,7 +21,7 @@ import sys
 from pathlib import Path
 from r3gw.masks import make_masks
 from r3gw.scene import load_scene
-from r3gw.settings import MaskSources
+from r3gw.masks.settings import MaskSources
 from r3gw.training.photos import load_photos
 
 scene, masks = Path(sys.argv[1]), Path(sys.argv[2])
@@ -51,7 +52,7 @@ def growth_bytes(script, *folders):
 
 def large_scene(tmp_path):
     """Twelve noisy training photos of 1200 x 896 px with masks."""
-    place = layout_a.build(tmp_path / "place")
+    place = nerf_osr_layout.build(tmp_path / "place")
     settings = NerfOsrScene(format="nerf-osr", path=".")
     scene = import_scene("place", settings, place.folder, tmp_path / "scene", num_threads=1)
     first = scene.views[0]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from r3gw.settings import load_config, run_settings
+from r3gw.pipeline.config import load_config, run_settings
 from r3gw.training.schedule import Schedule, scaled
 
 

@@ -3,15 +3,15 @@
 import pytest
 import torch
 
-from r3gw.gaussians.compose import draw
-from r3gw.gaussians.initial import InitialPoints
-from r3gw.gaussians.model import SceneModel, initial_model
-from r3gw.gaussians.sky import SkyDome, sample_dome
-from r3gw.gaussians.splats import splats_of
+from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
-from r3gw.losses.separation import silhouette_loss
-from r3gw.settings import TrainSettings
-from r3gw.settings.validation import read_yaml
+from r3gw.model.initial import InitialPoints
+from r3gw.model.model import SceneModel, initial_model
+from r3gw.model.settings import TrainSettings
+from r3gw.model.sky import SkyDome, sample_dome
+from r3gw.rendering.compose import draw
+from r3gw.rendering.splats import splats_of
+from r3gw.training.losses.separation import silhouette_loss
 from r3gw.training.objective import objective
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from tiny_workflow import TWO, checkout, snakemake, started
+from support.tiny_workflow import TWO, checkout, snakemake, started
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,6 @@
 """The doctor is the first rule of `all`, and what it refuses does not start."""
 
-from tiny_workflow import CONFIG, snakemake, started
+from support.tiny_workflow import CONFIG, snakemake, started
 
 
 def test_doctor_looked_before_the_training(finished):

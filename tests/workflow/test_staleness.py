@@ -1,7 +1,7 @@
 """An edit makes again what depends on it, in the scene that it concerns, and nothing else."""
 
 import pytest
-from tiny_workflow import CONFIG, TWO, edited, planned, planned_jobs, scenes_of
+from support.tiny_workflow import CONFIG, TWO, edited, planned, planned_jobs, scenes_of
 
 
 def test_second_run_does_nothing(finished):

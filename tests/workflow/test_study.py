@@ -3,9 +3,9 @@
 import pandas as pd
 import pytest
 import yaml
-from tiny_workflow import CONFIG, planned, snakemake
+from support.tiny_workflow import CONFIG, planned, snakemake
 
-from r3gw.settings.validation import read_yaml
+from r3gw.files.strict import read_yaml
 
 STUDY = CONFIG | {
     "study": {

@@ -1,14 +1,14 @@
 """The real workflow: a tiny run from rendering to the table, and what it refuses to begin."""
 
-import layout_a
 import numpy as np
 import pandas as pd
 import pytest
-from tiny_workflow import CONFIG, snakemake
+from support import nerf_osr_layout
+from support.tiny_workflow import CONFIG, snakemake
 
-from r3gw.reporting.kinds import PICTURES, PLOTS
-from r3gw.settings import load_config
-from r3gw.settings.validation import read_yaml
+from r3gw.files.strict import read_yaml
+from r3gw.pipeline.config import load_config
+from r3gw.reporting.figures.kinds import PICTURES, PLOTS
 
 
 def test_table_holds_finite_figures(finished):
@@ -65,15 +65,18 @@ def test_every_missing_photo_folder_is_one_sentence(untouched):
 
 
 def test_incomplete_dataset_is_named_before_anything_runs(untouched):
-    place = layout_a.build(untouched / "place")
+    place = nerf_osr_layout.build(untouched / "place")
     entry = {"format": "nerf-osr", "path": "place"}
     config = CONFIG | {"scenes": {"mine": entry}}
     assert snakemake(untouched, "--dry-run", "all", config=config).returncode == 0
-    (place.undistorted / "images" / f"{layout_a.STEMS[0]}.jpg").unlink()
+    (place.undistorted / "images" / f"{nerf_osr_layout.STEMS[0]}.jpg").unlink()
     done = snakemake(untouched, "--dry-run", "all", config=config)
     assert done.returncode != 0
     text = done.stdout + done.stderr
-    assert f"one file is missing for scene 'mine' (undistorted/images/{layout_a.STEMS[0]}" in text
+    assert (
+        f"one file is missing for scene 'mine' (undistorted/images/{nerf_osr_layout.STEMS[0]}"
+        in text
+    )
     assert "Traceback" not in text
 
 

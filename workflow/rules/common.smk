@@ -9,8 +9,8 @@ from subprocess import CalledProcessError
 
 from r3gw.files import InputError
 from r3gw.layers import LAYERS
-from r3gw.reporting.kinds import PICTURES, PLOTS
-from r3gw.settings import load_config, run_settings
+from r3gw.reporting.figures.kinds import PICTURES, PLOTS
+from r3gw.pipeline.config import load_config, run_settings
 from snakemake.exceptions import WorkflowError
 
 try:
@@ -27,7 +27,7 @@ VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
-    from r3gw.sfm.completeness import require_complete
+    from r3gw.importing.completeness import require_complete
 
     incomplete = []
     for name in GIVEN:

@@ -70,7 +70,7 @@ rule doctor:
         "logs/doctor.log",
     priority: 100
     params:
-        code=library("doctor"),
+        code=library("pipeline"),
         config=config_json(),
         defaults=DEFAULTS,
     shell:

@@ -12,7 +12,7 @@ rule generate:
         scene="|".join(SYNTHETIC) or "none",
     priority: 10
     params:
-        code=library("synthetic"),
+        code=library("benchmark"),
         entry=entry_json,
     shell:
         "python -m r3gw generate --entry {params.entry:q} --target {output} > {log} 2>&1"
@@ -30,7 +30,7 @@ rule import_scene:
     priority: 10
     threads: 2
     params:
-        code=library("sfm"),
+        code=library("importing"),
         entry=entry_json,
     shell:
         "python -m r3gw import --scene {wildcards.scene} --entry {params.entry:q}"
@@ -64,7 +64,7 @@ rule initialise:
         "logs/initialise/{scene}.log",
     priority: 10
     params:
-        code=library("gaussians"),
+        code=library("model"),
         sky=sky_json,
     shell:
         "python -m r3gw initialise --scene results/{wildcards.scene}/scene"

@@ -35,7 +35,7 @@ def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
     Looks at the sources of all scenes and at what is already imported. Prints the page, writes it
     as TARGET/doctor.md, and exits with status 1 if anything would fail.
     """
-    from r3gw.doctor.doctor import examine
+    from r3gw.pipeline.doctor.doctor import examine
 
     diagnosis = examine(config, results, target, defaults=defaults)
     click.echo(diagnosis.text)
@@ -47,8 +47,8 @@ def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
 @click.option("--target", type=FILE, help="JSON file to write if all is well.")
 def doctor_sources(entries: str, target: Path | None) -> None:
     """Refuse scenes whose source would fail to import; looks at names and lists only."""
-    from r3gw.doctor.source import examine_source
-    from r3gw.settings.config import parse_scene
+    from r3gw.importing.settings import parse_scene
+    from r3gw.pipeline.doctor.source import examine_source
 
     found = [
         examine_source(name, parse_scene(entry, f"scene '{name}'"))
@@ -65,8 +65,8 @@ def doctor_sources(entries: str, target: Path | None) -> None:
 @click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
 def doctor_scene(scene: str, results: Path, target: Path) -> None:
     """Refuse an imported scene whose training or evaluation would fail."""
-    from r3gw.doctor.doctor import examine_scene
-    from r3gw.doctor.findings import Findings
+    from r3gw.pipeline.doctor.doctor import examine_scene
+    from r3gw.pipeline.doctor.findings import Findings
 
     findings = Findings(scene)
     _, size = examine_scene(results / scene, findings)
@@ -82,9 +82,9 @@ def doctor_scene(scene: str, results: Path, target: Path) -> None:
 @click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
 def doctor_run(name: str, checked: Path, settings: Path, target: Path) -> None:
     """Refuse a training that this machine cannot hold in memory."""
-    from r3gw.doctor.findings import Findings
-    from r3gw.doctor.training import describe_training, read_size
-    from r3gw.settings import load_train_settings
+    from r3gw.model.settings import load_train_settings
+    from r3gw.pipeline.doctor.findings import Findings
+    from r3gw.pipeline.doctor.training import describe_training, read_size
 
     findings = Findings(name)
     describe_training(read_size(checked), [load_train_settings(settings)], findings)
@@ -107,6 +107,6 @@ def _stop_at(problems: Sequence[str]) -> None:
 @click.option("--target", type=FOLDER, required=True, help="Folder of the figures.")
 def sheet(name: str, scene: Path, masks: Path, target: Path) -> None:
     """Draw all photos of a scene with their masks tinted, as NAME_masks.png."""
-    from r3gw.reporting.masks import mask_sheet
+    from r3gw.reporting.figures.masks import mask_sheet
 
     mask_sheet(name, scene, masks, target)

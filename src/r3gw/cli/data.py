@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, THREADS, cli, json_object
-from r3gw.settings.validation import validated
+from r3gw.files.strict import validated
 
 SOURCE = click.Path(path_type=Path)
 
@@ -15,8 +15,8 @@ SOURCE = click.Path(path_type=Path)
 @click.option("--target", type=FOLDER, required=True, help="Folder to write (layout A).")
 def generate(entry: str, target: Path) -> None:
     """Render a scene of the embedded benchmark: photos, masks, SfM model, ground truth."""
-    from r3gw.settings import SyntheticScene
-    from r3gw.synthetic import generate as run
+    from r3gw.benchmark import generate as run
+    from r3gw.importing.settings import SyntheticScene
 
     scene = validated(SyntheticScene, json_object(entry, "--entry"), "--entry")
     run(
@@ -44,8 +44,8 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
     The format is in the entry: nerf-osr, nerf-osr-original, colmap, nerfstudio or photos
     (config/README.md). Missing files are named before anything is read.
     """
-    from r3gw.settings.config import parse_scene
-    from r3gw.sfm import import_scene as run
+    from r3gw.importing import import_scene as run
+    from r3gw.importing.settings import parse_scene
 
     settings = parse_scene(json_object(entry, "--entry"), f"scene '{scene}'")
     run(scene, settings, source, target, num_threads=threads)
@@ -58,7 +58,7 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
 def masks(scene: Path, target: Path, sources: str) -> None:
     """Check given masks and make missing ones."""
     from r3gw.masks import make_masks
-    from r3gw.settings import MaskSources
+    from r3gw.masks.settings import MaskSources
 
     make_masks(
         scene, target, validated(MaskSources, json_object(sources, "--sources"), "--sources")
@@ -71,7 +71,7 @@ def masks(scene: Path, target: Path, sources: str) -> None:
 @click.option("--target", type=FILE, required=True, help="initial.npz to write.")
 def initialise(scene: Path, sky: str, target: Path) -> None:
     """Place the initial foreground points and the sky hemisphere."""
-    from r3gw.gaussians.stage import run_initialise
-    from r3gw.settings.train import SkySettings
+    from r3gw.model.settings import SkySettings
+    from r3gw.model.stage import run_initialise
 
     run_initialise(scene, validated(SkySettings, json_object(sky, "--sky"), "--sky"), target)

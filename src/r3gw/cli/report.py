@@ -14,8 +14,8 @@ from r3gw.cli.group import FILE, FOLDER, cli
 @click.argument("metrics", nargs=-1, required=True, type=FILE)
 def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path, ...]) -> None:
     """Make tables from the metrics.json files of any number of runs."""
-    from r3gw.reporting import listings
-    from r3gw.reporting import tables as make
+    from r3gw.reporting.tables import listings
+    from r3gw.reporting.tables import table1 as make
 
     if kind == "table1":
         listings.images_table(metrics, target / "images.csv")
@@ -39,9 +39,9 @@ def study(baseline: str, target: Path, runs: Path, figure: Path, metrics: tuple[
 
     METRICS are the metrics.json files of all their runs, each in its run's folder.
     """
-    from r3gw.reporting.listings import runs_table
-    from r3gw.reporting.study import study_table
-    from r3gw.reporting.study_plot import study_figure
+    from r3gw.reporting.figures.study_plot import study_figure
+    from r3gw.reporting.tables.listings import runs_table
+    from r3gw.reporting.tables.study import study_table
 
     runs_table(metrics, runs)
     study_figure(study_table(metrics, baseline, target), baseline, figure)
@@ -55,7 +55,7 @@ def study(baseline: str, target: Path, runs: Path, figure: Path, metrics: tuple[
 @click.argument("runs", nargs=-1, required=True, type=FOLDER)
 def figures(name: str, scene: Path, masks: Path, target: Path, runs: tuple[Path, ...]) -> None:
     """Draw the figures of a scene from its evaluated runs; the first run is the main one."""
-    from r3gw.reporting.figures import scene_figures
+    from r3gw.reporting.figures.stage import scene_figures
 
     scene_figures(name, scene, masks, runs, target)
 
@@ -72,8 +72,8 @@ def report(
     results: Path, scenes: tuple[str, ...], variants: tuple[str, ...], seed: int, target: Path
 ) -> None:
     """Write one self-contained HTML page: tables, test views, and every scene in detail."""
-    from r3gw.reporting.report import write_report
-    from r3gw.reporting.scene_page import SceneFolders
+    from r3gw.reporting.page.scene_page import SceneFolders
+    from r3gw.reporting.page.stage import write_report
 
     folders = [
         SceneFolders(

@@ -42,6 +42,6 @@ def train(
 @THREADS
 def evaluate(scene: Path, masks: Path, model: Path, target: Path, threads: int) -> None:
     """Score a trained model under every protocol and draw its pictures."""
-    from r3gw.evaluation.evaluate import evaluate_run
+    from r3gw.evaluation.stage import evaluate_run
 
     evaluate_run(scene, masks, model, target, num_threads=threads)

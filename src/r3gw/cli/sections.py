@@ -7,7 +7,7 @@ import click
 
 from r3gw.cli.group import FILE
 from r3gw.files import InputError
-from r3gw.relighting.sweep import Sweep
+from r3gw.relight.sweep import Sweep
 
 
 class SweepType(click.ParamType[Sweep]):

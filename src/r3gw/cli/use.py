@@ -7,7 +7,7 @@ import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
 from r3gw.cli.sections import SWEEP, SectionCommand, light_options, option
-from r3gw.relighting.sweep import Sweep
+from r3gw.relight.sweep import Sweep
 
 SCENE, CAMERA, OUTPUT = "Scene", "Camera", "Output"
 MODEL = option(
@@ -91,9 +91,9 @@ def relight(
       r3gw relight --model M --scene S --view A --orbit-deg -30:30 --light-of A \\
           --light-of B --blend 0:1 --frames 100 --output blend.mp4
     """
-    from r3gw.relighting.cameras import CameraChoice
-    from r3gw.relighting.relight import FilmChoice
-    from r3gw.relighting.relight import relight as run
+    from r3gw.relight.cameras import CameraChoice
+    from r3gw.relight.stage import FilmChoice
+    from r3gw.relight.stage import relight as run
 
     cameras = CameraChoice(view, orbit_deg, width)
     run(
@@ -150,7 +150,7 @@ def export(
     baked.glb         glTF 2.0 with KHR_gaussian_splatting
     lights.json       the learned lights as spherical harmonics
     """
-    from r3gw.export.export import export as run
+    from r3gw.relight.export.stage import export as run
 
     chosen = _light(**light)
     run(model, scene, target, chosen, view=view, tone=tone, coordinates=coordinates)
@@ -167,7 +167,7 @@ def _light(
     sky: str | None,
 ) -> Any:
     """The LightChoice of the options."""
-    from r3gw.relighting.lights import LightChoice, SunChoice
+    from r3gw.relight.lights import LightChoice, SunChoice
 
     day = None if sun is None else SunChoice(*sun, turbidity)
     return LightChoice(env_map, light_of, day, blend, yaw_deg, exposure, sky)

@@ -4,7 +4,7 @@ import resource
 from time import perf_counter
 
 from r3gw.evaluation.bench import Bench
-from r3gw.evaluation.lights import photo_light
+from r3gw.model.lights import photo_light
 
 NUM_WARM_UP = 3
 NUM_TIMED = 30

@@ -11,11 +11,11 @@ import torch
 from jaxtyping import Bool, Float
 
 from r3gw.evaluation.bench import Bench
-from r3gw.evaluation.lights import photo_light
 from r3gw.evaluation.metrics import masked_psnr
-from r3gw.evaluation.surfaces import Surfaces, surfaces_of
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_linear
+from r3gw.model.lights import photo_light
+from r3gw.rendering.surfaces import Surfaces, surfaces_of
 from r3gw.scene import View
 
 BAND_PX = 5.0

@@ -17,14 +17,15 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from r3gw.evaluation.bench import Bench
-from r3gw.evaluation.lights import learned_strength, map_light, photo_light
-from r3gw.evaluation.pictures import bytes_from_display
 from r3gw.files import write_json
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.imaging.colour import display_array_from_linear, linear_from_display
 from r3gw.imaging.files import LDR_SUFFIXES, write_image
+from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
+from r3gw.lighting.maps import map_light
 from r3gw.lighting.sh_rotation import rotate
+from r3gw.model.lights import learned_strength, photo_light
 from r3gw.scene import View
 
 NUM_YAWS = 24

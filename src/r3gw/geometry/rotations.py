@@ -25,3 +25,12 @@ def rotation_about_axis(axis: int, angle: float) -> Float[Tensor, "3 3"]:
     matrix[after, after] = matrix[last, last] = cosine
     matrix[last, after], matrix[after, last] = sine, -sine
     return matrix
+
+
+def shortest_axes(
+    quaternions: Float[Tensor, "n 4"], log_scales: Float[Tensor, "n 3"]
+) -> Float[Tensor, "n 3"]:
+    """Unit normals: the rotation's column of the smallest scale (Sec. 4.2); sign arbitrary."""
+    rotations = rotation_from_quaternion(quaternions)
+    shortest = log_scales.detach().argmin(dim=-1)
+    return rotations.gather(2, shortest[:, None, None].expand(-1, 3, 1)).squeeze(-1)

@@ -12,9 +12,9 @@ from r3gw.files import write_json
 from r3gw.imaging.files import write_image
 from r3gw.imaging.masks import read_mask
 from r3gw.masks.checks import MaskFacts, check_photo, check_scene, sky_facts
+from r3gw.masks.settings import MaskSources
 from r3gw.masks.sources import MaskReader
 from r3gw.scene import View, load_scene
-from r3gw.settings.masks import MaskSources
 
 Mask = NDArray[np.bool_]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_labels
-from r3gw.settings.masks import LabelClasses
+from r3gw.masks.settings import LabelClasses
 
 Mask = NDArray[np.bool_]
 Classes = Literal["cityscapes-colours", "cityscapes-ids", "cityscapes-train-ids"] | LabelClasses

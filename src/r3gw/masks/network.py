@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from r3gw.files import InputError
-from r3gw.settings.masks import NetworkSettings
+from r3gw.masks.settings import NetworkSettings
 
 Rgb = NDArray[np.uint8]
 Mask = NDArray[np.bool_]

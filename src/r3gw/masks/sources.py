@@ -12,8 +12,8 @@ from r3gw.imaging.masks import read_mask
 from r3gw.masks.classical import segment_sky
 from r3gw.masks.labels import read_label_masks
 from r3gw.masks.network import SegmentationNetwork
+from r3gw.masks.settings import MaskSources, chain
 from r3gw.scene import View
-from r3gw.settings.masks import MaskSources, chain
 
 Mask = NDArray[np.bool_]
 _ADVICE = {

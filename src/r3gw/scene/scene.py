@@ -12,9 +12,9 @@ import torch
 from numpy.typing import NDArray
 
 from r3gw.files import InputError, atomic_path, write_json
+from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.similarity import Similarity
-from r3gw.settings.validation import Strict, read_yaml, validated
 
 Row3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]

@@ -7,8 +7,8 @@ import pandas as pd
 import torch
 
 from r3gw.files import atomic_path
-from r3gw.gaussians.compose import Rendering
-from r3gw.gaussians.model import SceneModel
+from r3gw.model.model import SceneModel
+from r3gw.rendering.compose import Rendering
 from r3gw.training.photos import Photo
 
 ROWS = 200

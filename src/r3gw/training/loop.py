@@ -7,15 +7,10 @@ import torch
 from tqdm import tqdm
 
 from r3gw.files import InputError
-from r3gw.gaussians.density import (
-    GradientStatistics,
-    densify,
-    reset_opacity,
-    rising_threshold,
-)
-from r3gw.gaussians.model import SceneModel
-from r3gw.gaussians.occlusion import update_occlusion
-from r3gw.gaussians.rows import OCCLUSION
+from r3gw.model.model import SceneModel
+from r3gw.model.occlusion import update_occlusion
+from r3gw.model.rows import OCCLUSION
+from r3gw.training.density import GradientStatistics, densify, reset_opacity, rising_threshold
 from r3gw.training.history import History
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step, set_position_rate

@@ -4,14 +4,14 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from r3gw.gaussians.compose import Rendering, render
-from r3gw.gaussians.model import SceneModel
-from r3gw.gaussians.outdoor import OpenSky
-from r3gw.losses.known_gradient import KnownLoss, sum_of
-from r3gw.losses.lighting import random_directions, visible_sky_loss
-from r3gw.losses.picture import PictureWeights, picture_losses
-from r3gw.losses.regularisers import flatness_loss, positivity_loss, sky_depth_loss
-from r3gw.settings.train import OutdoorSettings, WeightSettings
+from r3gw.model.model import SceneModel
+from r3gw.model.outdoor import OpenSky
+from r3gw.model.settings import OutdoorSettings, WeightSettings
+from r3gw.rendering.compose import Rendering, render
+from r3gw.training.losses.known_gradient import KnownLoss, sum_of
+from r3gw.training.losses.lighting import random_directions, visible_sky_loss
+from r3gw.training.losses.picture import PictureWeights, picture_losses
+from r3gw.training.losses.regularisers import flatness_loss, positivity_loss, sky_depth_loss
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
 

@@ -5,7 +5,7 @@ from typing import Any
 import torch
 
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
-from r3gw.gaussians.model import SceneModel
+from r3gw.model.model import SceneModel
 from r3gw.training.schedule import Schedule
 
 EPSILON = 1e-15

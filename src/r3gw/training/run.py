@@ -11,10 +11,10 @@ from torch import Tensor
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.files import write_json
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
-from r3gw.gaussians.initial import load_initial
-from r3gw.gaussians.model import initial_model, light_rows, save_model
+from r3gw.model.initial import load_initial
+from r3gw.model.model import initial_model, light_rows, save_model
+from r3gw.model.settings import TrainSettings, load_train_settings
 from r3gw.scene import load_scene
-from r3gw.settings import TrainSettings, load_train_settings
 from r3gw.training.loop import train
 from r3gw.training.photos import Photo, load_photos
 from r3gw.training.state import Checkpoints

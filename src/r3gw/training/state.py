@@ -15,8 +15,8 @@ import torch
 
 from r3gw.files import atomic_path
 from r3gw.files.provenance import digest
-from r3gw.gaussians.density import GradientStatistics
-from r3gw.gaussians.model import SceneModel, model_content, model_from
+from r3gw.model.model import SceneModel, model_content, model_from
+from r3gw.training.density import GradientStatistics
 from r3gw.training.history import History
 from r3gw.training.optimizer import make_optimizer
 from r3gw.training.order import PhotoOrder

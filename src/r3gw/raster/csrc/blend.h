@@ -4,7 +4,7 @@
 
 #include "raster/csrc/frame.h"
 #include "raster/csrc/semantics.h"
-#include "raster/csrc/simd.h"
+#include "native/csrc/simd.h"
 #include "raster/csrc/tile_pixels.h"
 
 namespace r3gw {

@@ -14,7 +14,7 @@
 #include "raster/csrc/blend.h"
 #include "raster/csrc/composite.h"
 #include "raster/csrc/lane_sums.h"
-#include "raster/csrc/parallel.h"
+#include "native/csrc/parallel.h"
 
 namespace r3gw {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "raster/csrc/parallel.h"
+#include "native/csrc/parallel.h"
 #include "raster/csrc/projection.h"
 
 namespace r3gw {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "raster/csrc/buffer.h"
-#include "raster/csrc/simd.h"
+#include "native/csrc/simd.h"
 
 namespace r3gw {
 

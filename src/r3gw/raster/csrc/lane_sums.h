@@ -1,7 +1,7 @@
 // Sums over lanes of many registers at once.
 #pragma once
 
-#include "raster/csrc/simd.h"
+#include "native/csrc/simd.h"
 
 namespace r3gw {
 

@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "raster/csrc/quaternion.h"
-#include "raster/csrc/rows.h"
+#include "native/csrc/quaternion.h"
+#include "native/csrc/rows.h"
 #include "raster/csrc/semantics.h"
 
 namespace r3gw {

@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "raster/csrc/frame.h"
-#include "raster/csrc/simd.h"
+#include "native/csrc/simd.h"
 
 namespace r3gw {
 

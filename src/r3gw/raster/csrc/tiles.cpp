@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "raster/csrc/parallel.h"
+#include "native/csrc/parallel.h"
 #include "raster/csrc/projection.h"
 #include "raster/csrc/semantics.h"
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <optional>
 
-#include "raster/csrc/rows.h"
+#include "native/csrc/rows.h"
 
 namespace r3gw {
 namespace {

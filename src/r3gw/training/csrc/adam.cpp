@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "raster/csrc/parallel.h"
+#include "native/csrc/parallel.h"
 
 namespace r3gw {
 namespace {

@@ -1,4 +1,0 @@
-"""Checks everything that a run will need before hours of CPU go into it.
-
-Import its modules: `r3gw.doctor.training` looks at one run without loading PyTorch.
-"""

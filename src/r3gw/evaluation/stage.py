@@ -1,0 +1,139 @@
+"""The evaluation stage: a trained model in, figures per image, lights and pictures out.
+
+metrics.json holds ``run`` (run.json of the training, as it is), ``images`` (one record per view
+and protocol) and ``decomposition`` (one record per view and kind of comparison). Every image
+record also stands alone in images/<protocol>/<view>.json, with the run that it belongs to.
+cost.json holds what was measured with a clock; all other files are the same for the same model.
+"""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from tqdm import tqdm
+
+from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.cost import measured_cost
+from r3gw.evaluation.decomposition import light_records, sky_records, surface_records
+from r3gw.evaluation.gallery import evenly, write_gallery
+from r3gw.evaluation.protocols import PROTOCOLS
+from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.files import InputError, write_json
+from r3gw.imaging.colour import display_array_from_linear
+from r3gw.imaging.files import write_exr, write_image
+from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_picture
+from r3gw.model.lights import photo_light
+from r3gw.model.model import SceneModel, load_model
+from r3gw.rendering.surfaces import apart, surfaces_of
+from r3gw.scene import View, load_scene
+
+NUM_LEARNED_PICTURES = 4
+VISIBLE_ALPHA = 0.5
+
+
+def evaluate_run(
+    scene_folder: Path, masks_folder: Path, model_path: Path, target: Path, *, num_threads: int
+) -> None:
+    """Score a trained model and draw its pictures; metrics.json is written last.
+
+    Args:
+        scene_folder: Imported scene.
+        masks_folder: Its masks.
+        model_path: model.pt, with the training's run.json beside it.
+        target: Folder for metrics.json, lights.json, cost.json, images/<protocol>/<view>.json,
+            renders/ and relit/ (`write_gallery`). renders/ holds, of all test views and of four
+            training views, ``<kind>/<view>.png`` where a kind is a protocol or one of truth,
+            albedo, normal, depth, sky, foreground; depth also as ``.exr``.
+        num_threads: CPU threads of torch and the rasterizer.
+
+    Raises:
+        InputError: If an input is missing or malformed, or a mask leaves no pixel.
+    """
+    torch.set_num_threads(num_threads)
+    run = _read_run(model_path.with_name("run.json"))
+    scene = load_scene(scene_folder)
+    bench = Bench(load_model(model_path), scene, scene_folder, masks_folder)
+    (target / "metrics.json").unlink(missing_ok=True)
+    for name in ("renders", "images", "relit"):
+        shutil.rmtree(target / name, ignore_errors=True)
+    images = _protocol_records(bench, target / "renders", str(run["scene"]))
+    for record in images:
+        path = target / "images" / record["protocol"] / f"{record['view']}.json"
+        write_json(path, {**record, "run": run})
+    write_gallery(bench, target / "relit")
+    write_json(target / "lights.json", learned_lights(bench.model))
+    write_json(target / "cost.json", measured_cost(bench, num_threads))
+    decomposition = surface_records(bench) + light_records(bench) + sky_records(bench)
+    write_json(
+        target / "metrics.json", {"run": run, "images": images, "decomposition": decomposition}
+    )
+
+
+def learned_lights(model: SceneModel) -> dict[str, dict[str, list[list[float]]]]:
+    """Per training photo: ``light`` ``[coeff][3]`` and ``sky`` ``[4][3]``, in r3gw's SH basis."""
+    lights = {photo: photo_light(model, photo) for photo in model.photos}
+    return {
+        photo: {"light": light.tolist(), "sky": sky.tolist()}
+        for photo, (light, sky) in lights.items()
+    }
+
+
+def _read_run(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; train the scene again")
+    run: dict[str, Any] = json.loads(path.read_text())
+    return run
+
+
+def _protocol_records(bench: Bench, folder: Path, scene: str) -> list[dict[str, Any]]:
+    """Score every view under every protocol that covers it, and write pictures on the way."""
+    pictured = {view.name for view in evenly(bench.scene.split("train"), NUM_LEARNED_PICTURES)}
+    records = []
+    for view in tqdm(bench.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
+        outcome = None
+        for protocol in PROTOCOLS:
+            if not protocol.covers(view):
+                continue
+            outcome = protocol.evaluate(bench, view)
+            records.append(_record(protocol, view, scene, outcome))
+            if view.split == "test" or view.name in pictured:
+                path = folder / protocol.name / f"{view.name}.png"
+                write_image(path, bytes_from_display(outcome.picture))
+        if outcome is not None and (view.split == "test" or view.name in pictured):
+            _write_parts(bench, view, outcome, folder)
+    return records
+
+
+def _record(protocol: ViewProtocol, view: View, scene: str, outcome: Outcome) -> dict[str, Any]:
+    return {
+        "scene": scene,
+        "view": view.name,
+        "session": view.session,
+        "protocol": protocol.name,
+        "protocol_version": protocol.version,
+        "is_oracle": protocol.is_oracle,
+        **outcome.figures,
+    }
+
+
+def _write_parts(bench: Bench, view: View, outcome: Outcome, folder: Path) -> None:
+    """The photo, and what the picture of ``outcome`` is made of."""
+    surfaces = surfaces_of(bench.model, view.camera)
+    is_surface = surfaces.foreground_alpha >= VISIBLE_ALPHA
+    depth = np.where(is_surface, surfaces.depth, 0.0).astype(np.float32)
+    albedo = np.where(is_surface[..., None], display_array_from_linear(surfaces.albedo), 1.0)
+    foreground, sky = apart(bench.model, view.camera, outcome.light, outcome.sky_light)
+    parts = {
+        "truth": bytes_from_display(bench.photo(view)),
+        "albedo": bytes_from_display(albedo),
+        "normal": normal_picture(np.where(is_surface[..., None], surfaces.normal, 0.0)),
+        "depth": depth_picture(depth),
+        "foreground": bytes_from_display(foreground),
+        "sky": bytes_from_display(sky),
+    }
+    for kind, picture in parts.items():
+        write_image(folder / kind / f"{view.name}.png", picture)
+    write_exr(folder / "depth" / f"{view.name}.exr", np.repeat(depth[..., None], 3, axis=2))

@@ -1,1 +1,0 @@
-"""The scene model: foreground Gaussians, sky Gaussians, per-photo appearance, rendering."""

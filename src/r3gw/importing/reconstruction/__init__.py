@@ -1,0 +1,1 @@
+"""Cameras and points from photos: structure from motion and triangulation by pycolmap."""

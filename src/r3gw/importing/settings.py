@@ -1,0 +1,99 @@
+"""The entry of a scene in config.yaml: where it is imported from, and where its masks come from."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from r3gw.files import InputError
+from r3gw.masks.settings import MaskSources, SkyMasks
+
+
+class SyntheticScene(MaskSources):
+    """A scene of the embedded benchmark, made by the project itself."""
+
+    format: Literal["synthetic"]
+    building: str
+    seed: int = Field(0, ge=0)
+    width_px: int = Field(240, ge=16)
+    height_px: int = Field(180, ge=16)
+    train_views: int = Field(20, ge=2)
+    test_views: int = Field(4, ge=1)
+    samples: int = Field(20, ge=1)
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(None, gt=0)
+    sky_masks: SkyMasks = "given"
+
+
+class NerfOsrScene(MaskSources):
+    """A NeRF-OSR scene as LumiGauss prepared it (docs/data.md)."""
+
+    format: Literal["nerf-osr"]
+    path: str
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(None, gt=0)
+    evaluated_views: list[str] = Field(default_factory=list)
+
+
+class _PosedScene(MaskSources):
+    """Photos with known cameras, in a world of any scale and, maybe, any tilt."""
+
+    path: str
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(10.0, gt=0)
+    up: Literal["estimated", "given"] = "estimated"
+
+
+class NerfOsrOriginalScene(_PosedScene):
+    """A NeRF-OSR scene as its authors published it."""
+
+    format: Literal["nerf-osr-original"]
+
+
+class ColmapScene(_PosedScene):
+    """A COLMAP folder: photos and a sparse model."""
+
+    format: Literal["colmap"]
+
+
+class NerfstudioScene(_PosedScene):
+    """A nerfstudio folder: photos and transforms.json."""
+
+    format: Literal["nerfstudio"]
+
+
+class PhotosScene(MaskSources):
+    """A folder of anybody's photos, or a video."""
+
+    format: Literal["photos"]
+    path: str
+    max_image_px: int = Field(1600, ge=16)
+    extent: float | None = Field(10.0, gt=0)
+    matching: Literal["exhaustive", "sequential"] | None = None
+    video_frames: int = Field(100, ge=3)
+
+
+SceneSettings = Annotated[
+    SyntheticScene
+    | NerfOsrScene
+    | NerfOsrOriginalScene
+    | ColmapScene
+    | NerfstudioScene
+    | PhotosScene,
+    Field(discriminator="format"),
+]
+
+
+def parse_scene(values: Mapping[str, Any], source: str) -> SceneSettings:
+    """Validate one entry of ``scenes``.
+
+    Raises:
+        InputError: On the first unknown key, missing key or wrong value.
+    """
+    try:
+        scene: SceneSettings = TypeAdapter(SceneSettings).validate_python(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise InputError(f"{source}: scene entry, key '{key}': {first['msg']}") from None
+    return scene

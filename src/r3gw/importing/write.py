@@ -1,0 +1,203 @@
+"""Writes the scene folder: pictures scaled, given masks in our polarity, scene.json last."""
+
+import logging
+import shutil
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from r3gw.files import InputError, atomic_path
+from r3gw.geometry.cameras import Camera
+from r3gw.geometry.similarity import Similarity
+from r3gw.imaging.files import read_labels, read_linear, read_rgb_as_stored, write_exr, write_image
+from r3gw.imaging.masks import read_mask, resize_mask
+from r3gw.importing.lens import undistorted, undistorted_mask
+from r3gw.importing.source import SourceMask, SourceScene, SourceView
+from r3gw.scene import (
+    EvaluationEntry,
+    Gauge,
+    GroundTruth,
+    Points,
+    Scene,
+    View,
+    save_points,
+    save_scene,
+)
+
+_LOG = logging.getLogger(__name__)
+_FOLDERS = ("images", "given", "envmaps", "ground_truth")
+_FILES = ("scene.json", "points.npz", "sfm_report.json")
+
+
+def clear_scene(target: Path) -> None:
+    """Remove what an earlier import left in ``target``; scene.json goes first."""
+    for name in _FILES:
+        (target / name).unlink(missing_ok=True)
+    for name in _FOLDERS:
+        shutil.rmtree(target / name, ignore_errors=True)
+
+
+def write_scene(
+    source: SourceScene,
+    similarity: Similarity,
+    target: Path,
+    *,
+    name: str,
+    source_format: str,
+    max_image_px: int,
+) -> Scene:
+    """Write ``source`` to the empty folder ``target`` and return the scene.
+
+    Args:
+        source: What a reader found.
+        similarity: ``scene_from_source``. Ground truth is carried along by its scale only, so
+            with ground truth it must not turn.
+        target: The scene folder.
+        name: The scene's name.
+        source_format: Format of its entry in the configuration.
+        max_image_px: Photos wider than this are scaled down to this width, by area.
+
+    Raises:
+        InputError: If a photo or mask is unreadable or not of its camera's size.
+    """
+    views = [
+        _write_view(view, similarity, target, max_image_px)
+        for view in tqdm(source.views, desc=f"importing {name}", unit="photo", leave=False)
+    ]
+    save_points(Points(_moved(source.points.xyz, similarity), source.points.rgb), target)
+    scene = Scene(
+        name=name,
+        source_format=source_format,
+        views=tuple(sorted(views, key=lambda view: view.name)),
+        scene_from_source=Gauge.of(similarity),
+    )
+    save_scene(scene, target)
+    counts = len(scene.split("train")), len(scene.split("test")), len(source.points.xyz)
+    _LOG.info("%s: %d training views, %d test views, %d points", name, *counts)
+    return scene
+
+
+def _moved(xyz: NDArray[np.float32], similarity: Similarity) -> NDArray[np.float32]:
+    scale, turn, shift = similarity.scale, similarity.rotation, similarity.translation
+    moved: NDArray[np.float64] = scale * xyz.astype(np.float64) @ turn.numpy().T + shift.numpy()
+    return moved.astype(np.float32)
+
+
+def _write_view(
+    source: SourceView, similarity: Similarity, target: Path, max_image_px: int
+) -> View:
+    full = source.camera
+    factor = min(1.0, max_image_px / full.width)
+    width, height = (max(1, round(side * factor)) for side in (full.width, full.height))
+    camera = full.scaled(width, height)
+    cam_from_world: Any = similarity.camera(full.cam_from_world).tolist()
+    image = f"images/{source.name}.png"
+    write_image(target / image, _scaled(_photo(source), camera, cv2.INTER_AREA))
+    for kind, mask in source.masks.items():
+        _write_mask(mask, source, camera, target / "given" / kind / f"{source.name}.png")
+    if source.labels is not None:
+        _write_labels(source.labels, source, camera, target)
+    return View(
+        name=source.name,
+        image=image,
+        width=width,
+        height=height,
+        source_size_px=None if factor == 1.0 else (full.width, full.height),
+        intrinsics=camera.intrinsics,
+        cam_from_world=cam_from_world,
+        split=source.split,
+        session=source.session,
+        evaluation=_copied_evaluation(source, camera, target),
+        truth=_copied_truth(source, camera, similarity.scale, target),
+    )
+
+
+def _scaled(pixels: NDArray[Any], camera: Camera, interpolation: int) -> NDArray[Any]:
+    if pixels.shape[:2] == (camera.height, camera.width):
+        return pixels
+    size = (camera.width, camera.height)
+    return cv2.resize(pixels, size, interpolation=interpolation)
+
+
+def _photo(source: SourceView) -> NDArray[np.uint8]:
+    """The photo as ``source.camera`` sees it."""
+    photo = read_rgb_as_stored(source.photo)
+    width, height = _stored_size(source)
+    if photo.shape[:2] != (height, width):
+        raise InputError(
+            f"{source.photo}: the photo is {photo.shape[1]}x{photo.shape[0]} px but its camera is "
+            f"{width}x{height} px; import the photos that the model was made from"
+        )
+    return photo if source.lens is None else undistorted(photo, source.lens)
+
+
+def _stored_size(source: SourceView) -> tuple[int, int]:
+    """Width and height of the photo on disk, in px."""
+    camera = source.camera if source.lens is None else source.lens
+    return int(camera.width), int(camera.height)
+
+
+def _write_mask(mask: SourceMask, source: SourceView, camera: Camera, path: Path) -> None:
+    values = read_mask(mask.path, *_stored_size(source))
+    if not mask.white_means:
+        values = ~values
+    if source.lens is not None:
+        values = undistorted_mask(values, source.lens)
+    write_image(path, resize_mask(values, camera.width, camera.height))
+
+
+def _write_labels(path: Path, source: SourceView, camera: Camera, target: Path) -> None:
+    """Copy a label map; where it must shrink, whole pixels are taken: classes do not mix."""
+    labels = read_labels(path)
+    width, height = _stored_size(source)
+    if labels.shape[:2] != (height, width):
+        raise InputError(
+            f"{path}: the label map is {labels.shape[1]}x{labels.shape[0]} px but its photo is "
+            f"{width}x{height} px; make the labels again at the photo's size"
+        )
+    scaled = _scaled(labels, camera, cv2.INTER_NEAREST_EXACT)
+    write_image(target / "given" / "labels" / f"{source.name}.png", scaled)
+
+
+def _copied_evaluation(source: SourceView, camera: Camera, target: Path) -> EvaluationEntry | None:
+    entry = source.evaluation
+    if entry is None:
+        return None
+    mask = None
+    if entry.mask is not None:
+        mask = f"given/eval/{source.name}.png"
+        _write_mask(SourceMask(Path(entry.mask)), source, camera, target / mask)
+    original = Path(entry.env_map)
+    env_map = f"envmaps/{original.parent.name}/{original.name}"
+    _copy(original, target / env_map)
+    return entry.model_copy(update={"mask": mask, "env_map": env_map})
+
+
+def _copied_truth(
+    source: SourceView, camera: Camera, scale: float, target: Path
+) -> GroundTruth | None:
+    truth = source.truth
+    if truth is None:
+        return None
+    paths = {kind: f"ground_truth/{kind}/{source.name}.exr" for kind in ("albedo", "normal")}
+    paths["depth"] = f"ground_truth/depth/{source.name}.exr"
+    paths["env_map"] = f"ground_truth/envmaps/{Path(truth.env_map).name}"
+    _copy(Path(truth.env_map), target / paths["env_map"])
+    for kind in ("albedo", "normal", "depth"):
+        pixels = read_linear(Path(getattr(truth, kind)))
+        # Neither normals nor depths may be averaged across an edge.
+        filter_ = cv2.INTER_AREA if kind == "albedo" else cv2.INTER_NEAREST
+        factor = scale if kind == "depth" else 1.0
+        write_exr(target / paths[kind], _scaled(pixels, camera, filter_) * np.float32(factor))
+    return truth.model_copy(update=paths)
+
+
+def _copy(source: Path, target: Path) -> None:
+    if not source.is_file():
+        raise InputError(f"{source}: no such file, but the scene's lists name it")
+    with atomic_path(target) as path:
+        shutil.copyfile(source, path)

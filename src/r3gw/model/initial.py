@@ -1,0 +1,118 @@
+"""Initial point sets: sparse points for the foreground, a sampled dome for the sky (Sec. 4.3)."""
+
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from r3gw.files import InputError, atomic_path
+from r3gw.geometry.cameras import Camera, pixel_rays
+from r3gw.geometry.spherical import angles_from_direction, direction_from_angles
+from r3gw.model.settings import SkySettings
+from r3gw.model.sky import SkyDome, sample_dome
+
+BOX_QUANTILES = (0.02, 0.98)
+RADIUS_QUANTILE = 0.99
+AZIMUTH_MARGIN_RAD = 0.1
+
+
+@dataclass(frozen=True)
+class InitialPoints:
+    """What training starts from.
+
+    Attributes:
+        foreground: ``[N, 3]`` world positions.
+        dome: The sky's hemisphere.
+        sky_angles: ``[M, 2]`` (theta, phi) in radians.
+    """
+
+    foreground: Float[Tensor, "n 3"]
+    dome: SkyDome
+    sky_angles: Float[Tensor, "m 2"]
+
+    def sky_points(self) -> Float[Tensor, "m 3"]:
+        """World positions of the initial sky points."""
+        theta, phi = self.sky_angles.unbind(-1)
+        return self.dome.centre + self.dome.radius * direction_from_angles(theta, phi)
+
+
+def initial_points(
+    xyz: Float[Tensor, "n 3"], cameras: list[Camera], settings: SkySettings, seed: int
+) -> InitialPoints:
+    """Fit the dome to the sparse points and fill it with sky points.
+
+    Args:
+        xyz: Sparse points, world.
+        cameras: The training cameras; they bound the azimuth range.
+        settings: Counts and the kind of azimuth range.
+        seed: Seed of the sky points.
+
+    Raises:
+        InputError: If there are no points.
+    """
+    if len(xyz) == 0:
+        raise InputError("the SfM model has no points; reconstruct it again with more photos")
+    low, high = torch.quantile(xyz, torch.tensor(BOX_QUANTILES), dim=0)
+    from_mean = (xyz - xyz.mean(dim=0)).norm(dim=-1)
+    radius = float(torch.quantile(from_mean, RADIUS_QUANTILE).clamp_min(1e-3))
+    azimuth = (-pi, pi) if settings.azimuth_range == "full" else seen_azimuths(cameras)
+    dome = SkyDome(0.5 * (low + high), radius, azimuth)
+    wanted = round(settings.count_per_radius * radius)
+    count = min(max(wanted, settings.min_count), settings.max_count)
+    generator = torch.Generator().manual_seed(seed)
+    return InitialPoints(xyz, dome, sample_dome(dome, count, generator))
+
+
+def seen_azimuths(cameras: list[Camera]) -> tuple[float, float]:
+    """Smallest azimuth interval that all cameras' pictures cover, with a margin, in radians.
+
+    The largest gap between the azimuths of border and centre pixels is what nobody sees. A gap
+    of less than an eighth of a turn is not worth cutting out: then the circle is full.
+    """
+    seen = []
+    for camera in cameras:
+        rays = pixel_rays(camera)
+        border = torch.cat([rays[0], rays[-1], rays[:, 0], rays[:, -1], rays[rays.shape[0] // 2]])
+        world = border @ camera.cam_from_world[:3, :3].float()
+        seen.append(angles_from_direction(world)[1])
+    azimuths = torch.cat(seen).sort().values
+    gaps = torch.cat([azimuths[1:], azimuths[:1] + 2 * pi]) - azimuths
+    widest = int(gaps.argmax())
+    if float(gaps[widest]) < pi / 4:
+        return -pi, pi
+    last = float(azimuths[widest]) + AZIMUTH_MARGIN_RAD
+    first = last + float(gaps[widest]) - 2 * AZIMUTH_MARGIN_RAD - 2 * pi
+    return first, last
+
+
+def save_initial(initial: InitialPoints, path: Path) -> None:
+    """Write ``initial.npz`` atomically."""
+    with atomic_path(path) as temporary, temporary.open("wb") as stream:
+        np.savez(
+            stream,
+            foreground=initial.foreground.numpy(),
+            centre=initial.dome.centre.numpy(),
+            radius=initial.dome.radius,
+            azimuth_rad=np.array(initial.dome.azimuth_rad),
+            sky_angles=initial.sky_angles.numpy(),
+        )
+
+
+def load_initial(path: Path) -> InitialPoints:
+    """Read ``initial.npz``.
+
+    Raises:
+        InputError: If it is missing.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; run the initialise stage first")
+    with np.load(path) as arrays:
+        first, last = arrays["azimuth_rad"].tolist()
+        dome = SkyDome(torch.from_numpy(arrays["centre"]), float(arrays["radius"]), (first, last))
+        return InitialPoints(
+            torch.from_numpy(arrays["foreground"]), dome, torch.from_numpy(arrays["sky_angles"])
+        )

@@ -1,0 +1,205 @@
+"""How much of the sky each foreground Gaussian sees past the others (beyond the paper).
+
+The foreground's opacity goes into a voxel grid, and from every Gaussian rays are cast through it
+towards the upper hemisphere. The result is one matrix row per Gaussian, its *occlusion*: what
+blocked directions take from the irradiance of an SH light, linear in the light's coefficients
+(precomputed radiance transfer; Sloan, Kautz and Snyder, SIGGRAPH 2002). Directions below the
+horizon stay open: there the light shows the ground, which sends back what falls on it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import torch
+from jaxtyping import Float
+from scipy.spatial import cKDTree
+from torch import Tensor
+
+from r3gw.geometry.rotations import rotation_from_quaternion, shortest_axes
+from r3gw.lighting import sh
+from r3gw.model.rows import OCCLUSION, Rows
+from r3gw.model.settings import OcclusionSettings
+
+SAMPLES = 32  # Points that spread a Gaussian's opacity over voxels.
+BOX_QUANTILES = (0.02, 0.98)  # Of the positions: what lies outside casts no shadow.
+BOX_MARGIN = 3  # Voxels around that box.
+DENSEST = 0.99  # Opacities are cut here, so that their optical depth stays finite.
+
+
+@dataclass(frozen=True)
+class OpacityGrid:
+    """Optical depth of one step through each voxel.
+
+    Attributes:
+        corner: World position of the first voxel's outer corner.
+        voxel: Edge, world units.
+        depth: ``[x, y, z]`` optical depth per voxel edge travelled, at least 0.
+    """
+
+    corner: Float[Tensor, "3"]
+    voxel: float
+    depth: Float[Tensor, "x y z"]
+
+
+@torch.no_grad()
+def update_occlusion(
+    rows: Rows, camera_centres: Sequence[Float[Tensor, "3"]], settings: OcclusionSettings
+) -> None:
+    """Cast the foreground's shadows anew; ``rows`` hold the result under `OCCLUSION`.
+
+    Args:
+        rows: The foreground, with an `OCCLUSION` entry ``[N, coeff]``; changed in place.
+        camera_centres: The training cameras; they say which side of a Gaussian is its outside.
+        settings: Grid, rays and smoothing.
+    """
+    grid = opacity_grid(rows, settings.voxels)
+    means, reach = rows["means"].detach(), settings.reach
+    axes = shortest_axes(rows["quaternions"], rows["log_scales"]).detach()
+    normals = outer_normals(grid, means, axes, camera_centres, settings.offset, reach)
+    directions = upper_directions(settings.directions)
+    starts = means + settings.offset * grid.voxel * normals
+    visible = visibility(grid, starts, directions, reach)
+    degree = int(sqrt(rows[OCCLUSION].shape[1])) - 1
+    lost = (1 - settings.bounce) * (1 - visible)
+    occlusion = blocked_irradiance(lost, normals, directions, degree)
+    opacities = rows["opacity_logits"].detach().sigmoid()
+    smooth = smoothed(occlusion, means, normals, opacities, settings.neighbours)
+    rows[OCCLUSION].copy_(smooth)
+
+
+def upper_directions(count: int) -> Float[Tensor, "{count} 3"]:
+    """Spread unit vectors evenly over the upper hemisphere: a Fibonacci spiral."""
+    index = torch.arange(count) + 0.5
+    height, azimuth = 1 - index / count, pi * (1 + sqrt(5)) * index
+    level = torch.sqrt(1 - height.square())
+    return torch.stack([level * torch.cos(azimuth), -height, level * torch.sin(azimuth)], dim=-1)
+
+
+def opacity_grid(rows: Rows, voxels: int) -> OpacityGrid:
+    """Spread the Gaussians' opacity over a grid of ``voxels`` along its longest side.
+
+    A Gaussian's optical depth, integrated over its face, is shared out evenly between sample
+    points drawn from it; divided by a voxel's face it becomes depth per voxel edge.
+    """
+    means = rows["means"].detach()
+    low, high = torch.quantile(means, torch.tensor(BOX_QUANTILES), dim=0)
+    voxel = float((high - low).max().clamp_min(1e-6)) / voxels
+    corner = low - BOX_MARGIN * voxel
+    size = ((high - low) / voxel).ceil().long() + 2 * BOX_MARGIN
+    scales = rows["log_scales"].detach().exp()
+    rotations = rotation_from_quaternion(rows["quaternions"].detach())
+    normal = torch.randn(SAMPLES, 3, generator=torch.Generator().manual_seed(0))
+    local = normal * scales[:, None]
+    points = means[:, None] + local @ rotations.transpose(1, 2)
+    widest = scales.sort(dim=-1, descending=True).values
+    face = 2 * pi * widest[:, 0] * widest[:, 1]
+    opacity = rows["opacity_logits"].detach().sigmoid().clamp(max=DENSEST)
+    share = -torch.log1p(-opacity) * face / (voxel**2 * SAMPLES)
+    cell = ((points - corner) / voxel).floor().long()
+    is_inside = ((cell >= 0) & (cell < size)).all(-1)
+    flat = (cell[..., 0] * size[1] + cell[..., 1]) * size[2] + cell[..., 2]
+    depth = torch.zeros(int(size.prod()))
+    depth.index_add_(0, flat[is_inside], share[:, None].expand_as(flat)[is_inside])
+    return OpacityGrid(corner, voxel, depth.reshape(*size.tolist()))
+
+
+def visibility(
+    grid: OpacityGrid, starts: Float[Tensor, "n 3"], directions: Float[Tensor, "k 3"], reach: int
+) -> Float[Tensor, "n k"]:
+    """Transmittance from each start towards each direction, over ``reach`` voxels.
+
+    Rays of one direction step through the same chain of voxels, moved to the start's voxel; the
+    first step leaves that voxel. Starts outside the grid see everything.
+    """
+    edge = reach + 1
+    padded = torch.nn.functional.pad(grid.depth, (edge,) * 6)
+    size = torch.tensor(padded.shape)
+    cell = ((starts - grid.corner) / grid.voxel).floor().long() + edge
+    is_inside = ((cell >= edge) & (cell < size - edge)).all(-1)
+    cell = torch.where(is_inside[:, None], cell, edge)
+    stride = torch.stack([size[1] * size[2], size[2], torch.ones_like(size[0])])
+    first = (cell @ stride).int()
+    steps = torch.arange(1, edge)[:, None]
+    flat = padded.reshape(-1)
+    columns = []
+    for direction in directions:
+        chain = ((steps * direction).round().long() @ stride).int()
+        columns.append(flat[first[:, None] + chain].sum(dim=1))
+    transmitted = torch.exp(-torch.stack(columns, dim=1))
+    return torch.where(is_inside[:, None], transmitted, 1.0)
+
+
+def outer_normals(
+    grid: OpacityGrid,
+    means: Float[Tensor, "n 3"],
+    axes: Float[Tensor, "n 3"],
+    camera_centres: Sequence[Float[Tensor, "3"]],
+    offset: float,
+    reach: int,
+) -> Float[Tensor, "n 3"]:
+    """Turn each Gaussian's axis to the side from which the cameras see it.
+
+    A camera counts by the cosine of its view times what reaches it through the grid.
+    """
+    score = torch.zeros(len(means))
+    for centre in camera_centres:
+        towards = torch.nn.functional.normalize(centre.to(means) - means, dim=-1)
+        cosine = (axes * towards).sum(-1)
+        starts = means + (offset * grid.voxel * cosine.sign())[:, None] * axes
+        score += cosine * _transmitted(grid, starts, towards, 2 * reach)
+    return torch.where(score[:, None] < 0, -axes, axes)
+
+
+def _transmitted(
+    grid: OpacityGrid, starts: Float[Tensor, "n 3"], directions: Float[Tensor, "n 3"], reach: int
+) -> Float[Tensor, "n"]:
+    """Transmittance along one ray per start."""
+    size = torch.tensor(grid.depth.shape)
+    first = (starts - grid.corner) / grid.voxel
+    total = torch.zeros(len(starts))
+    for step in range(reach):
+        cell = (first + step * directions).floor().long()
+        is_inside = ((cell >= 0) & (cell < size)).all(-1)
+        x, y, z = torch.where(is_inside[:, None], cell, 0).unbind(-1)
+        total += torch.where(is_inside, grid.depth[x, y, z], 0.0)
+    return torch.exp(-total)
+
+
+def blocked_irradiance(
+    lost: Float[Tensor, "n k"],
+    normals: Float[Tensor, "n 3"],
+    directions: Float[Tensor, "k 3"],
+    degree: int,
+) -> Float[Tensor, "n coeff"]:
+    """Minus the irradiance that each SH light coefficient loses to blocked directions.
+
+    Args:
+        lost: Share of each direction's light that does not arrive, 0 to 1.
+        normals: Unit normals.
+        directions: Evenly spread over the upper hemisphere.
+        degree: Of the light.
+    """
+    cosine = (normals @ directions.T).clamp_min(0)
+    area = 2 * pi / len(directions)
+    return -area * (lost * cosine) @ sh.basis(directions, degree)
+
+
+def smoothed(
+    values: Float[Tensor, "n c"],
+    means: Float[Tensor, "n 3"],
+    normals: Float[Tensor, "n 3"],
+    opacities: Float[Tensor, "n"],
+    neighbours: int,
+) -> Float[Tensor, "n c"]:
+    """Mean over the nearest Gaussians of like normal, weighted by opacity.
+
+    Layers of thin Gaussians make one surface: those that lie a little deeper must not look
+    darker than what covers them.
+    """
+    count = min(neighbours, len(means))
+    points = means.double().numpy()
+    index = torch.from_numpy(cKDTree(points).query(points, k=list(range(1, count + 1)))[1])
+    likeness = (normals[index] * normals[:, None]).sum(-1).clamp_min(0).square()
+    weight = opacities[index] * likeness + 1e-6
+    return (values[index] * weight[..., None]).sum(1) / weight.sum(1, keepdim=True)

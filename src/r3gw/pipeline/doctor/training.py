@@ -1,0 +1,88 @@
+"""What the trainings of a scene will take: Gaussians, time, memory; does it fit this machine?
+
+Loads no PyTorch, so that looking at a run costs a fraction of a second.
+"""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import Field
+
+from r3gw.files import InputError
+from r3gw.files.strict import Strict, read_yaml, validated
+from r3gw.model.settings import TrainSettings
+from r3gw.pipeline.doctor.cost import Cost, predicted_cost, spoken_time
+from r3gw.pipeline.doctor.findings import Findings
+
+
+class SceneSize(Strict):
+    """What of a scene decides the cost of its trainings.
+
+    Attributes:
+        foreground, sky: Initial Gaussians.
+        photos: Training photos.
+        photo_pixels: Of all of them together.
+    """
+
+    foreground: int = Field(ge=0)
+    sky: int = Field(ge=0)
+    photos: int = Field(gt=0)
+    photo_pixels: int = Field(gt=0)
+
+    @property
+    def gaussians(self) -> int:
+        """Initial Gaussians."""
+        return self.foreground + self.sky
+
+
+def read_size(record: Path) -> SceneSize:
+    """Size of a scene from the record that ``doctor-scene`` wrote.
+
+    Raises:
+        InputError: If the record is missing or holds no size.
+    """
+    content = read_yaml(record)
+    if "size" not in content:
+        raise InputError(f"{record}: holds no size of the scene; run doctor-scene again")
+    return validated(SceneSize, content["size"], str(record))
+
+
+def describe_training(size: SceneSize, runs: Sequence[TrainSettings], findings: Findings) -> None:
+    """Predict Gaussians, time and memory of a scene's runs.
+
+    Args:
+        size: Of the scene.
+        runs: Settings of each, at least one.
+        findings: Gets the facts, and a problem where memory does not suffice.
+    """
+    first = size.gaussians
+    most = max(settings.density.max_gaussians for settings in runs)
+    findings.facts["Gaussians"] = (
+        f"start with {first:,} ({size.foreground:,} foreground, {size.sky:,} sky), "
+        f"at most {max(most, first):,}"
+    )
+    costs = [_cost(settings, size) for settings in runs]
+    longest, largest = max(c.seconds for c in costs), max(c.memory_mb for c in costs)
+    total = spoken_time(sum(cost.seconds for cost in costs))
+    all_of_them = f", {total} for all {len(costs)}" if len(costs) > 1 else ""
+    findings.facts["time"] = f"about {spoken_time(longest)} per training on one core{all_of_them}"
+    findings.facts["memory"] = f"about {largest / 1000:.1f} GB per training"
+    available = physical_memory_mb()
+    if largest > available:
+        findings.problems.append(
+            f"{findings.title}: a training will need about {largest / 1000:.1f} GB but this "
+            f"machine has {available / 1000:.1f} GB; lower 'max_image_px' or "
+            "'density.max_gaussians'"
+        )
+
+
+def _cost(settings: TrainSettings, size: SceneSize) -> Cost:
+    last = max(size.gaussians, settings.density.max_gaussians)
+    pixels = size.photo_pixels / size.photos
+    return predicted_cost(settings.iterations, size.gaussians, last, pixels, size.photo_pixels)
+
+
+def physical_memory_mb() -> float:
+    """Memory of this machine in MB (10^6 bytes)."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e6

@@ -1,0 +1,1 @@
+"""Files of a relightable scene: PLY and lights.json."""

@@ -1,0 +1,78 @@
+"""``lights.json``: the learned lights of a scene, for r3gw and for anybody else."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from r3gw.files import InputError, write_json
+from r3gw.files.strict import Strict, validated
+
+NAME = "lights.json"
+CONVENTION = {
+    "basis": "real spherical harmonics, orthonormal, no Condon-Shortley phase; coefficient "
+    "l*l + l + m for m = -l..l; degree 1 is 0.488603 times y, z, x",
+    "axes": "right-handed; the directions are those of the coordinates of the PLY file beside this "
+    "one. In scene coordinates up is -y",
+    "light": "linear RGB radiance towards direction d = sum of coefficient[i] * Y_i(d)",
+    "sky": "display RGB of the sky in direction d = clamp(sum of coefficient[i] * Y_i(d) + 0.5, "
+    "0, 1); display = linear^(1/2.2)",
+}
+
+Row = tuple[float, float, float]
+
+
+class PhotoLight(Strict):
+    """Coefficients of one photo, ``[coeff][rgb]``."""
+
+    light: tuple[Row, ...]
+    sky: tuple[Row, ...]
+
+
+class LightsFile(Strict):
+    """The whole file."""
+
+    format: Literal["r3gw-lights"] = "r3gw-lights"
+    version: Literal[1] = 1
+    convention: dict[str, str] = CONVENTION
+    coordinates: Literal["scene", "source"]
+    photos: dict[str, PhotoLight]
+
+
+Lights = Mapping[str, tuple[Float[Tensor, "coeff 3"], Float[Tensor, "skycoeff 3"]]]
+
+
+def write_lights(lights: Lights, coordinates: Literal["scene", "source"], folder: Path) -> None:
+    """Write ``folder/lights.json``; float32 values survive exactly."""
+    photos = {
+        photo: {"light": light.tolist(), "sky": sky.tolist()}
+        for photo, (light, sky) in lights.items()
+    }
+    content = LightsFile.model_validate({"coordinates": coordinates, "photos": photos})
+    write_json(folder / NAME, content.model_dump(mode="json"))
+
+
+def read_lights(folder: Path) -> Lights:
+    """Read ``folder/lights.json``; no file means no lights.
+
+    Raises:
+        InputError: If the file is malformed.
+    """
+    path = folder / NAME
+    if not path.is_file():
+        return {}
+    try:
+        values = json.loads(path.read_text())
+    except ValueError as error:
+        raise InputError(f"{path}: not readable as JSON ({error})") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: not the lights of an export; export the scene again")
+    content = validated(LightsFile, values, str(path))
+    return {
+        photo: (torch.tensor(entry.light), torch.tensor(entry.sky))
+        for photo, entry in content.photos.items()
+    }

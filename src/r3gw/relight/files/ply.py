@@ -1,0 +1,164 @@
+"""Gaussian PLY files: what viewers of 3D Gaussian splatting open, and a superset of it.
+
+Little-endian float32, one vertex per Gaussian, in the order of `STANDARD`: the form that 3DGS
+(Kerbl et al. 2023) made common. ``f_dc`` is (display colour - 0.5) / Y_00, scales are logs,
+opacity is a logit, rot is wxyz. A relightable file adds `RELIGHTABLE`; viewers pass over that.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from numpy.typing import NDArray
+from torch import Tensor
+
+from r3gw.files import InputError
+from r3gw.files.strict import validated
+from r3gw.geometry.similarity import Similarity
+from r3gw.relight.files.lights_file import read_lights
+from r3gw.relight.files.ply_rows import read_rows, write_rows
+from r3gw.relight.move import moved
+from r3gw.relight.scene import Relightable
+from r3gw.scene.scene import Gauge
+
+Y_00 = 0.28209479
+POSITION, NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
+COLOUR = ("f_dc_0", "f_dc_1", "f_dc_2")
+SCALE = ("scale_0", "scale_1", "scale_2")
+ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")
+STANDARD = (*POSITION, *NORMAL, *COLOUR, "opacity", *SCALE, *ROTATION)
+ALBEDO = ("albedo_0", "albedo_1", "albedo_2")
+RELIGHTABLE = (*ALBEDO, "roughness", "is_sky")  # is_sky is an unsigned byte
+OCCLUSION = "occlusion_"  # and a number: SH transfer, where the scene models shadows
+
+COMMENT = "r3gw "
+Coordinates = Literal["scene", "source"]
+
+
+@dataclass(frozen=True)
+class Baked:
+    """Colours of a scene under one light.
+
+    Attributes:
+        colours: ``[N, 3]`` display values.
+        normals: ``[N, 3]`` unit, facing the cameras; 0 for the sky.
+    """
+
+    colours: Float[Tensor, "n 3"]
+    normals: Float[Tensor, "n 3"]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """The coordinates that a file is in; the scene's similarity leads from one to the other."""
+
+    coordinates: Coordinates
+    scene_from_source: Similarity
+
+
+def write_ply(
+    path: Path, splats: Relightable, baked: Baked, placement: Placement, *, relightable: bool
+) -> None:
+    """Write a scene.
+
+    Args:
+        path: File to write.
+        splats: The scene, already in the placement's coordinates.
+        baked: Its colours and normals.
+        placement: Recorded in the header's comments.
+        relightable: Whether to add albedo, roughness and is_sky.
+    """
+    shadows = splats.occlusion if relightable else None
+    transfer = () if shadows is None else _occlusion_names(shadows.shape[1])
+    names = STANDARD + (RELIGHTABLE if relightable else ()) + transfer
+    rows = np.empty(len(splats.means), [(n, "u1" if n == "is_sky" else "<f4") for n in names])
+    _fill(rows, POSITION, splats.means)
+    _fill(rows, NORMAL, baked.normals)
+    _fill(rows, COLOUR, (baked.colours - 0.5) / Y_00)
+    _fill(rows, ("opacity",), splats.opacity_logits[:, None])
+    _fill(rows, SCALE, splats.log_scales)
+    _fill(rows, ROTATION, splats.quaternions)
+    if relightable:
+        padding = (0, 0, 0, splats.num_sky)
+        _fill(rows, ALBEDO, torch.nn.functional.pad(splats.albedo, padding))
+        _fill(rows, ("roughness",), torch.nn.functional.pad(splats.roughness[:, None], padding))
+        rows["is_sky"] = np.arange(len(rows)) >= splats.num_foreground
+        if shadows is not None:
+            _fill(rows, transfer, torch.nn.functional.pad(shadows, padding))
+    facts = {
+        "coordinates": placement.coordinates,
+        "scene_from_source": Gauge.of(placement.scene_from_source).model_dump(mode="json"),
+        "light_degree": splats.light_degree,
+        "with_specular": splats.with_specular,
+    }
+    comments = [f"{COMMENT}{name} {json.dumps(value)}" for name, value in facts.items()]
+    write_rows(path, rows, comments)
+
+
+def read_ply(path: Path) -> Relightable:
+    """Read a relightable file, and the lights of ``lights.json`` beside it, as a scene to relight.
+
+    A file in scene coordinates comes back bit for bit; one in source coordinates is carried back
+    to the scene's, to float32 rounding.
+
+    Raises:
+        InputError: If the file is missing, no PLY file, or without the relightable properties.
+    """
+    rows, facts = _parsed(path)
+    if "is_sky" not in (rows.dtype.names or ()) or not facts:
+        raise InputError(
+            f"{path}: no relightable scene (it lacks r3gw's extra properties); "
+            "give the relightable.ply of `python -m r3gw export`"
+        )
+    is_sky = torch.from_numpy(rows["is_sky"] > 0)
+    if bool((is_sky[1:] < is_sky[:-1]).any()):
+        raise InputError(f"{path}: the sky's Gaussians must come last; do not reorder the file")
+    count = int((~is_sky).sum())
+    transfer = _occlusion_names(sum(n.startswith(OCCLUSION) for n in rows.dtype.names or ()))
+    splats = Relightable(
+        _columns(rows, POSITION),
+        _columns(rows, ROTATION),
+        _columns(rows, SCALE),
+        _columns(rows, ("opacity",))[:, 0],
+        _columns(rows, ALBEDO)[:count],
+        _columns(rows, ("roughness",))[:count, 0],
+        read_lights(path.parent),
+        int(facts["light_degree"]),
+        bool(facts["with_specular"]),
+        _columns(rows, transfer)[:count] if transfer else None,
+    )
+    if facts["coordinates"] == "scene":
+        return splats
+    gauge = validated(Gauge, facts["scene_from_source"], f"{path}: scene_from_source")
+    return moved(splats, gauge.similarity)
+
+
+def _occlusion_names(count: int) -> tuple[str, ...]:
+    return tuple(f"{OCCLUSION}{i}" for i in range(count))
+
+
+def _fill(rows: NDArray[Any], names: tuple[str, ...], values: Float[Tensor, "n c"]) -> None:
+    for name, column in zip(names, values.detach().numpy().T, strict=True):
+        rows[name] = column
+
+
+def _columns(rows: NDArray[Any], names: tuple[str, ...]) -> Float[Tensor, "n c"]:
+    return torch.from_numpy(np.stack([rows[name].astype(np.float32) for name in names], axis=-1))
+
+
+def _parsed(path: Path) -> tuple[NDArray[Any], Mapping[str, Any]]:
+    """The vertices and the facts of the header's comments."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; export the scene first")
+    try:
+        rows, comments = read_rows(path)
+        named = (text.removeprefix(COMMENT).split(" ", 1) for text in comments)
+        facts = {name: json.loads(value) for name, value in named}
+    except ValueError as error:
+        raise InputError(f"{path}: not a PLY file of Gaussians ({error})") from error
+    return rows, facts

@@ -1,0 +1,18 @@
+"""Where a scene to be shown comes from: a training's model.pt or an exported PLY file."""
+
+from pathlib import Path
+
+from r3gw.model.model import load_model
+from r3gw.relight.files.ply import read_ply
+from r3gw.relight.scene import Relightable, relightable_of
+
+
+def load_relightable(path: Path) -> Relightable:
+    """Read ``model.pt``, or a relightable ``.ply`` with its ``lights.json`` beside it.
+
+    Raises:
+        InputError: If the file is missing or of another kind.
+    """
+    if path.suffix.lower() == ".ply":
+        return read_ply(path)
+    return relightable_of(load_model(path))

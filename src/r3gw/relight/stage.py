@@ -1,0 +1,82 @@
+"""Relighting a trained scene: files in, pictures or a film out."""
+
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+from tqdm import tqdm
+
+from r3gw.files import InputError
+from r3gw.relight.cameras import CameraChoice, chosen_cameras
+from r3gw.relight.lights import LightChoice, lighting
+from r3gw.relight.load import load_relightable
+from r3gw.relight.outputs import output_for
+from r3gw.relight.picture import frame
+from r3gw.relight.tone import CURVES, linear_from_scene, scene_linear
+from r3gw.scene import load_scene
+
+
+@dataclass(frozen=True)
+class FilmChoice:
+    """How many frames, how fast, and their tone curve (`r3gw.relight.tone.CURVES`)."""
+
+    frames: int = 1
+    fps: float = 25.0
+    tone: str = "standard"
+
+
+def relight(
+    model_path: Path,
+    scene_folder: Path,
+    outputs: tuple[Path, ...],
+    cameras: CameraChoice,
+    light: LightChoice,
+    film: FilmChoice = FilmChoice(),
+    *,
+    num_threads: int = 1,
+) -> None:
+    """Render the frames and write them to every output.
+
+    Args:
+        model_path: model.pt of a training, or relightable.ply of an export.
+        scene_folder: Folder of scene.json.
+        outputs: Files to write (r3gw.relight.outputs).
+        cameras, light: Each may move over the film.
+        film: Frames and tone.
+        num_threads: CPU threads of torch and the rasterizer.
+
+    Raises:
+        InputError: If a name is unknown, a file unreadable, choices contradict each other, or
+            something moves but there is only one frame.
+    """
+    if film.frames == 1 and (cameras.moves or light.moves):
+        raise InputError(
+            "one frame shows no movement: give --frames, or one view and plain numbers"
+        )
+    torch.set_num_threads(num_threads)
+    splats = load_relightable(model_path)
+    shares = [i / max(film.frames - 1, 1) for i in range(film.frames)]
+    middle = splats.means[: splats.num_foreground].median(dim=0).values
+    placed = chosen_cameras(load_scene(scene_folder), cameras, middle, shares)
+    light_at = lighting(splats, light, model_path)
+    sinks = [output_for(path, film.frames, film.fps) for path in outputs]
+    curve = CURVES[film.tone]
+    steps = tqdm(
+        zip(placed, shares, strict=True),
+        total=film.frames,
+        desc="relighting",
+        unit="frame",
+        disable=film.frames == 1,
+    )
+    with ExitStack() as stack:
+        for sink in sinks:
+            stack.enter_context(sink)
+        for camera, share in steps:
+            shown = light_at(share)
+            pictures = {}
+            for is_linear in {sink.is_linear for sink in sinks}:
+                picture = frame(splats, camera, shown, scene_linear if is_linear else curve)
+                pictures[is_linear] = linear_from_scene(picture) if is_linear else picture
+            for sink in sinks:
+                sink.write(pictures[sink.is_linear])

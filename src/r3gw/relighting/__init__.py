@@ -1,1 +1,0 @@
-"""Showing a trained scene: any camera, any light, as pictures or as a film."""

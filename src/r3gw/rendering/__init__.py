@@ -1,0 +1,1 @@
+"""From the model to pictures: shading, splats, one rendering pass."""

@@ -1,0 +1,74 @@
+"""What a model is made of, as buffers of one picture: surfaces, foreground alone, sky alone."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from r3gw.geometry.cameras import Camera
+from r3gw.lighting import sh
+from r3gw.model.model import SceneModel
+from r3gw.rendering.compose import SMALLEST_ALPHA, draw
+from r3gw.rendering.splats import splats_of
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """What a model says about the surfaces of one picture.
+
+    Attributes:
+        albedo: ``[H, W, 3]`` linear, of the foreground alone.
+        normal: ``[H, W, 3]`` world, unit; 0 where there is no foreground.
+        depth: ``[H, W]`` expected camera z of both sets, world units.
+        foreground_alpha: ``[H, W]`` opacity that the foreground contributes.
+    """
+
+    albedo: Float[np.ndarray, "h w 3"]
+    normal: Float[np.ndarray, "h w 3"]
+    depth: Float[np.ndarray, "h w"]
+    foreground_alpha: Float[np.ndarray, "h w"]
+
+
+@torch.no_grad()
+def surfaces_of(model: SceneModel, camera: Camera) -> Surfaces:
+    """Render the model's surfaces; no light takes part."""
+    no_light = torch.zeros(sh.num_coefficients(2), 3)
+    splats = splats_of(model, camera, no_light, None)
+    nothing = torch.zeros(len(model.sky.rows), 3)
+    albedo = model.foreground["albedo_logits"].sigmoid()
+    rendering = draw(splats.with_colours(torch.cat([albedo, nothing])), camera)
+    presence = torch.cat([torch.ones_like(albedo), nothing])
+    alpha = draw(splats.with_colours(presence), camera).colour[..., :1]
+    return Surfaces(
+        (rendering.colour / alpha.clamp_min(SMALLEST_ALPHA)).double().numpy(),
+        torch.nn.functional.normalize(rendering.normal, dim=-1).double().numpy(),
+        rendering.depth.double().numpy(),
+        alpha[..., 0].double().numpy(),
+    )
+
+
+@torch.no_grad()
+def apart(
+    model: SceneModel,
+    camera: Camera,
+    light: Float[Tensor, "coeff 3"],
+    sky_light: Float[Tensor, "skycoeff 3"] | None,
+) -> tuple[Float[np.ndarray, "h w 3"], Float[np.ndarray, "h w 3"]]:
+    """The foreground's and the sky's share of a picture, on black; they add up to it.
+
+    Args:
+        model: The scene.
+        camera: Where from.
+        light: SH environment light.
+        sky_light: Sky coefficients; None paints the sky white.
+    """
+    splats = splats_of(model, camera, light, sky_light)
+    colours = splats.features[:, :3]
+    is_foreground = torch.arange(len(colours))[:, None] < len(model.foreground)
+    shares = []
+    for is_shown in (is_foreground, ~is_foreground):
+        shown = draw(splats.with_colours(colours * is_shown), camera)
+        shares.append(shown.colour.double().numpy())
+    return shares[0], shares[1]

@@ -1,0 +1,162 @@
+"""Adaptive density: clone, split and prune both sets, and reset opacities (method 8).
+
+Statistics follow Kerbl et al. (2023): the mean, over the views that saw a Gaussian, of the norm
+of the screen-space position gradient in NDC units. The threshold rises exponentially with the
+iteration (Grubert et al., 2025).
+"""
+
+from collections.abc import Mapping
+
+import torch
+from jaxtyping import Bool, Float
+from torch import Tensor
+from torch.optim import Optimizer
+
+import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
+from r3gw.geometry.rotations import rotation_from_quaternion
+from r3gw.geometry.spherical import direction_from_angles
+from r3gw.model.foreground import too_large
+from r3gw.model.model import SceneModel
+from r3gw.model.rows import Rows
+
+SPLIT_SHRINK = 1.6
+
+
+class GradientStatistics:
+    """Sums of screen-space gradient norms since the last densification, foreground then sky."""
+
+    def __init__(self, count: int) -> None:
+        """Start empty for ``count`` Gaussians."""
+        self.total = torch.zeros(count)
+        self.views = torch.zeros(count)
+
+    def add(
+        self,
+        gradient_px: Float[Tensor, "n 2"],
+        radii_px: Float[Tensor, "n"],
+        width: int,
+        height: int,
+    ) -> None:
+        """Take in one view's gradients with respect to pixel positions."""
+        # A pixel is 2 / width of the NDC range [-1, 1].
+        torch.ops.r3gw.add_gradient_norms(
+            self.total, self.views, gradient_px, radii_px, 0.5 * width, 0.5 * height
+        )
+
+    def mean(self) -> Float[Tensor, "n"]:
+        """Mean gradient norm; 0 for Gaussians that no view saw."""
+        return self.total / self.views.clamp_min(1.0)
+
+
+def rising_threshold(progress: float, first: float, last: float | None) -> float:
+    """Densification threshold, exponential between ``first`` (progress 0) and ``last`` (1).
+
+    Without ``last`` it stays the first.
+    """
+    if last is None:
+        return first
+    share = min(max(progress, 0.0), 1.0)
+    return float(first * (last / first) ** share)
+
+
+def densify(
+    model: SceneModel,
+    optimizer: Optimizer,
+    gradients: Float[Tensor, "n"],
+    *,
+    threshold: float,
+    extent: float,
+    prune_huge: bool,
+    generator: torch.Generator,
+) -> None:
+    """Clone or split every Gaussian above ``threshold``, then prune, in both sets.
+
+    Args:
+        model: Changed in place.
+        optimizer: Its state follows the rows.
+        gradients: Mean NDC gradient norms, foreground first.
+        threshold: Gradient norm above which a Gaussian is densified.
+        extent: Camera extent, world units; sizes are judged relative to it, in the sky
+            relative to the dome's radius where that is larger.
+        prune_huge: Whether too large Gaussians go, as they do after the first opacity reset.
+        generator: Draws the positions of split children.
+    """
+    settings = model.settings.density
+    split_at = len(model.foreground)
+    budget = settings.max_gaussians - model.num_gaussians
+    sky_extent = max(extent, float(model.sky.radius.detach()))
+    for rows, grads, size in (
+        (model.foreground, gradients[:split_at], extent),
+        (model.sky.rows, gradients[split_at:], sky_extent),
+    ):
+        if len(rows) == 0:
+            continue
+        room = budget
+        if rows is model.sky.rows:
+            room = min(room, int(settings.sky_share * settings.max_gaussians) - len(rows))
+        chosen = _strongest(grads, threshold, room)
+        budget -= int(chosen.sum())
+        is_large = too_large(rows["log_scales"], settings.large_scale * size)
+        huge = settings.huge_scale * size if prune_huge else float("inf")
+        _grow(model, rows, optimizer, chosen & ~is_large, chosen & is_large, generator)
+        _prune(rows, optimizer, settings.min_opacity, huge)
+
+
+def reset_opacity(model: SceneModel, optimizer: Optimizer) -> None:
+    """Lower all opacities to at most the reset value."""
+    ceiling = torch.logit(torch.tensor(model.settings.density.reset_opacity))
+    for rows in (model.foreground, model.sky.rows):
+        if len(rows):
+            rows.overwrite(optimizer, "opacity_logits", rows["opacity_logits"].clamp(max=ceiling))
+
+
+def _strongest(grads: Float[Tensor, "n"], threshold: float, budget: int) -> Bool[Tensor, "n"]:
+    """Mark gradients above ``threshold``, at most ``budget`` of them, the strongest first."""
+    chosen = grads > threshold
+    if int(chosen.sum()) > max(budget, 0):
+        chosen = torch.zeros_like(chosen)
+        chosen[torch.argsort(grads, descending=True, stable=True)[: max(budget, 0)]] = True
+    return chosen
+
+
+def _grow(
+    model: SceneModel,
+    rows: Rows,
+    optimizer: Optimizer,
+    is_cloned: Bool[Tensor, "n"],
+    is_split: Bool[Tensor, "n"],
+    generator: torch.Generator,
+) -> None:
+    """Append copies of cloned rows and two children per split row; drop the split parents."""
+    copies = {name: value.detach()[is_cloned] for name, value in rows.values.items()}
+    children = split_children(model, rows, is_split, generator)
+    added = {name: torch.cat([copies[name], children[name]]) for name in copies}
+    rows.rebuild(optimizer, torch.nonzero(~is_split).squeeze(-1), added)
+
+
+def split_children(
+    model: SceneModel, rows: Rows, is_split: Bool[Tensor, "n"], generator: torch.Generator
+) -> Mapping[str, Tensor]:
+    """Two children per parent: positions drawn from the parent, scales divided by 1.6."""
+    parents = {name: value.detach()[is_split] for name, value in rows.values.items()}
+    children = {name: value.repeat_interleave(2, dim=0) for name, value in parents.items()}
+    scales = children["log_scales"].exp()
+    local = torch.randn(scales.shape, generator=generator) * scales
+    offsets = (rotation_from_quaternion(children["quaternions"]) @ local[..., None]).squeeze(-1)
+    children["log_scales"] = (scales / SPLIT_SHRINK).log()
+    if "means" in children:
+        children["means"] = children["means"] + offsets
+    else:  # the sky: back onto the hemisphere, then to angles again
+        theta, phi = children["angles"].unbind(-1)
+        sky = model.sky
+        positions = sky.centre + sky.radius.detach() * direction_from_angles(theta, phi)
+        children["angles"] = sky.angles_of(positions + offsets)
+    return children
+
+
+def _prune(rows: Rows, optimizer: Optimizer, min_opacity: float, huge: float) -> None:
+    """Drop rows that are nearly transparent or larger than ``huge`` world units."""
+    opacity = rows["opacity_logits"].detach().sigmoid()
+    is_kept = (opacity >= min_opacity) & ~too_large(rows["log_scales"], huge)
+    none = {name: value.detach()[:0] for name, value in rows.values.items()}
+    rows.rebuild(optimizer, torch.nonzero(is_kept).squeeze(-1), none)

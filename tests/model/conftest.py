@@ -1,0 +1,42 @@
+"""A small model in front of a camera, shared by the tests of r3gw.model."""
+
+from pathlib import Path
+
+import pytest
+import torch
+
+from r3gw.files.strict import read_yaml
+from r3gw.geometry.cameras import Camera
+from r3gw.model.initial import InitialPoints
+from r3gw.model.model import SceneModel, initial_model
+from r3gw.model.settings import TrainSettings
+from r3gw.model.sky import SkyDome, sample_dome
+
+
+@pytest.fixture
+def settings(repository: Path) -> TrainSettings:
+    """The paper's settings."""
+    return TrainSettings.model_validate(read_yaml(repository / "config/train.yaml"))
+
+
+@pytest.fixture
+def model(settings: TrainSettings) -> SceneModel:
+    """Sixty random foreground Gaussians at z about 4, eighty sky Gaussians, two photos."""
+    generator = torch.Generator().manual_seed(0)
+    points = torch.randn(60, 3, generator=generator) + torch.tensor([0.0, 0.0, 4.0])
+    dome = SkyDome(torch.tensor([0.0, 0.0, 4.0]), 9.0, (-1.5, 1.5))
+    made = initial_model(
+        InitialPoints(points, dome, sample_dome(dome, 80, generator)), ("a", "b"), settings
+    )
+    with torch.no_grad():
+        for rows in (made.foreground, made.sky.rows):
+            for value in rows.values.values():
+                value.add_(0.2 * torch.randn(value.shape, generator=generator))
+    made.sky.clamp_to_dome()
+    return made
+
+
+@pytest.fixture
+def camera() -> Camera:
+    """At the origin, looking along +z; not square, principal point off-centre."""
+    return Camera(torch.eye(4, dtype=torch.float64), (40.0, 42.0, 25.0, 18.0), 48, 36)
