@@ -1,30 +1,9 @@
-"""r3gw.model.lights: maps are linear and turn right, learned lights are the network's."""
+"""r3gw.model.lights: learned lights are the network's."""
 
-from math import pi
-
-import numpy as np
 import torch
 
-from r3gw.imaging.files import write_exr, write_image
-from r3gw.lighting import envmap, sh
-from r3gw.lighting.maps import map_light
+from r3gw.lighting import envmap
 from r3gw.model.lights import photo_light
-
-
-def test_map_light_is_linear_and_yaw_turns_to_the_right(tmp_path):
-    env_map = np.random.default_rng(0).random((16, 32, 3), dtype=np.float32)
-    write_exr(tmp_path / "map.exr", env_map)
-    write_exr(tmp_path / "rolled.exr", np.roll(env_map, 4, axis=1) * np.float32(2.5))
-    turned = map_light(tmp_path / "map.exr", 4, yaw_rad=2 * pi * 4 / 32, exposure=2.5)
-    torch.testing.assert_close(turned, map_light(tmp_path / "rolled.exr", 4), rtol=1e-5, atol=1e-5)
-
-
-def test_display_maps_are_made_linear(tmp_path):
-    write_image(tmp_path / "grey.png", np.full((32, 64, 3), 128, np.uint8))
-    light = map_light(tmp_path / "grey.png", 2)
-    expected = torch.full((3,), (128 / 255) ** 2.2)
-    seen = sh.radiance(light, torch.tensor([0.0, 0.0, 1.0]))
-    torch.testing.assert_close(seen, expected, rtol=0.01, atol=0)
 
 
 def test_learned_light_is_the_networks(tiny):
