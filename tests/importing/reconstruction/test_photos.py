@@ -22,6 +22,8 @@ from r3gw.importing.source import SourceScene, SourceView
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
+pytestmark = pytest.mark.slow
+
 MASKS = {"is_valid": "masks", "is_sky": "sky_masks"}
 PATTERNS = {  # white of row and column, at full size
     "is_valid": lambda _row, column: column < 0.9 * SIZE[0],
