@@ -131,12 +131,13 @@ def _has_equal_pages(image: Any) -> bool:
 
 
 def _decoded(image: Any, data: bytes, path: Path) -> Picture:
+    # Asked first: reading EXIF may decode a PNG, which leaves no tiles.
+    has_16_bits = any(";16" in str(tile[3]) for tile in getattr(image, "tile", ()))
     orientation, exif = _orientation(image)
     if image.format in ("JPEG", "MPO") and image.mode in ("RGB", "L"):
         if not _jpeg_is_whole(data):
             raise InputError(f"{path}: {_BROKEN}")
         return Picture(_by_opencv(data, path, image.mode), None, orientation, exif)
-    has_16_bits = any(";16" in str(tile[3]) for tile in getattr(image, "tile", ()))
     image.load()
     pixels, alpha = _channels(image)
     if has_16_bits and image.mode in ("RGB", "RGBA", "LA"):

@@ -53,8 +53,10 @@ def read_exr(path: Path) -> NDArray[np.float32]:
     for part in headers:
         _check_header(part.header, path)
     layer = _chosen(headers, path)
-    # Some damages show only in the pixels.
-    part = _opened(data, path, header_only=False).parts[layer.part]
+    parts = _opened(data, path, header_only=False).parts
+    if len(parts) != len(headers):  # OpenEXR passes over parts whose pixels are damaged
+        raise InputError(f"{path}: not a readable EXR picture (its pixels are damaged or cut off)")
+    part = parts[layer.part]
     planes = []
     for name in layer.channels:
         pixels = np.asarray(part.channels[name].pixels, dtype=np.float32)
