@@ -13,9 +13,9 @@ rule generate:
     priority: 10
     params:
         code=library("benchmark"),
-        entry=entry_json,
+        settings=benchmark_json,
     shell:
-        "python -m r3gw generate --entry {params.entry:q} --target {output} > {log} 2>&1"
+        "python -m r3gw generate --settings {params.settings:q} --target {output} > {log} 2>&1"
 
 
 rule import_scene:
@@ -31,7 +31,7 @@ rule import_scene:
     threads: 2
     params:
         code=library("importing"),
-        entry=entry_json,
+        entry=source_json,
     shell:
         "python -m r3gw import --scene {wildcards.scene} --entry {params.entry:q}"
         " --source {input.source} --target results/{wildcards.scene}/scene"
