@@ -12,8 +12,9 @@ SOURCE = click.Path(path_type=Path)
 
 @cli.command()
 @click.option("--entry", required=True, help="The scene's config entry as JSON.")
-@click.option("--target", type=FOLDER, required=True, help="Folder to write (layout A).")
-def generate(entry: str, target: Path) -> None:
+@click.option("--target", type=FOLDER, required=True, help="Folder to write.")
+@click.option("--processes", type=click.IntRange(min=1), default=1, help="That render at once.")
+def generate(entry: str, target: Path, processes: int) -> None:
     """Render a scene of the embedded benchmark: photos, masks, SfM model, ground truth."""
     from r3gw.benchmark import generate as run
     from r3gw.importing.settings import SyntheticScene
@@ -27,6 +28,11 @@ def generate(entry: str, target: Path) -> None:
         train_views=scene.train_views,
         test_views=scene.test_views,
         samples=scene.samples,
+        visits=scene.visits,
+        num_devices=scene.devices,
+        is_denoised=scene.denoise,
+        point_candidates=scene.points,
+        num_processes=processes,
     )
 
 

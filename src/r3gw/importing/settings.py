@@ -10,7 +10,19 @@ from r3gw.masks.settings import MaskSources, SkyMasks
 
 
 class SyntheticScene(MaskSources):
-    """A scene of the embedded benchmark, made by the project itself."""
+    """A scene of the embedded benchmark, made by the project itself.
+
+    Attributes:
+        building: The place.
+        seed: Of everything random in it.
+        width_px, height_px: Nominal size of its photos.
+        train_views, test_views: Photos of training and of test sessions.
+        samples: Light paths per pixel.
+        visits: Training sessions; null takes the place's own.
+        devices: Devices with lenses that took the photos; 0 gives every photo its own pinhole.
+        denoise: Whether photos are smoothed, for few samples.
+        points: Sparse points to try.
+    """
 
     format: Literal["synthetic"]
     building: str
@@ -20,6 +32,10 @@ class SyntheticScene(MaskSources):
     train_views: int = Field(20, ge=2)
     test_views: int = Field(4, ge=1)
     samples: int = Field(20, ge=1)
+    visits: int | None = Field(None, ge=1)
+    devices: int = Field(0, ge=0, le=4)
+    denoise: bool = False
+    points: int = Field(9000, ge=100)
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
     sky_masks: SkyMasks = "given"
