@@ -22,7 +22,11 @@ DEFAULTS = f"{workflow.basedir}/config"
 TRAIN_FILE, VARIANTS_FILE = f"{DEFAULTS}/train.yaml", f"{DEFAULTS}/variants.yaml"
 PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
-SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].source.format == "synthetic"]
+SYNTHETIC = [
+    name for name in SCENES if CONFIG.scenes[name].source.format == "synthetic"
+]
+# Several scenes render side by side, one process each; a single one has all cores to itself.
+GENERATE_THREADS = max(1, (workflow.cores or 1) // max(1, len(SYNTHETIC)))
 VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
