@@ -24,6 +24,8 @@ SCENES = sorted(CONFIG.scenes)
 SYNTHETIC = [
     name for name in SCENES if CONFIG.scenes[name].source.format == "synthetic"
 ]
+# Several scenes render side by side, one process each; a single one has all cores to itself.
+GENERATE_THREADS = max(1, (workflow.cores or 1) // max(1, len(SYNTHETIC)))
 VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):

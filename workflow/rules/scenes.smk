@@ -11,11 +11,13 @@ rule generate:
     wildcard_constraints:
         scene="|".join(SYNTHETIC) or "none",
     priority: 10
+    threads: GENERATE_THREADS
     params:
         code=code_of("generate"),
         settings=benchmark_json,
     shell:
-        "python -m r3gw generate --settings {params.settings:q} --target {output} > {log} 2>&1"
+        "python -m r3gw generate --settings {params.settings:q} --target {output}"
+        " --processes {threads} > {log} 2>&1"
 
 
 rule import_scene:

@@ -11,9 +11,13 @@ class BenchmarkSettings(Strict):
     Attributes:
         building: Name of a scene (`r3gw.benchmark.generate.SCENES`).
         seed: Drives textures, plants, clouds, cameras, exposures and passers-by.
-        width_px, height_px: Size of the photos.
-        train_views, test_views: Numbers of photos.
+        width_px, height_px: Nominal size of the photos.
+        train_views, test_views: Photos of training and of test sessions.
         samples: Light paths per pixel.
+        visits: Training sessions; null takes the place's own.
+        devices: Devices with lenses that took the photos; 0 gives every photo its own pinhole.
+        denoise: Whether photos are smoothed, for few samples.
+        points: Sparse points to try.
     """
 
     building: str
@@ -23,3 +27,7 @@ class BenchmarkSettings(Strict):
     train_views: int = Field(20, ge=2)
     test_views: int = Field(4, ge=1)
     samples: int = Field(20, ge=1)
+    visits: int | None = Field(None, ge=1)
+    devices: int = Field(0, ge=0, le=4)
+    denoise: bool = False
+    points: int = Field(9000, ge=100)

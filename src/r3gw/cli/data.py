@@ -12,8 +12,9 @@ SOURCE = click.Path(path_type=Path)
 
 @cli.command()
 @click.option("--settings", required=True, help="What to render, as JSON (config/README.md).")
-@click.option("--target", type=FOLDER, required=True, help="Folder to write (layout A).")
-def generate(settings: str, target: Path) -> None:
+@click.option("--target", type=FOLDER, required=True, help="Folder to write.")
+@click.option("--processes", type=click.IntRange(min=1), default=1, help="That render at once.")
+def generate(settings: str, target: Path, processes: int) -> None:
     """Render a scene of the embedded benchmark: photos, masks, SfM model, ground truth."""
     from r3gw.benchmark.generate import generate as run
     from r3gw.benchmark.settings import BenchmarkSettings
@@ -27,6 +28,11 @@ def generate(settings: str, target: Path) -> None:
         train_views=scene.train_views,
         test_views=scene.test_views,
         samples=scene.samples,
+        visits=scene.visits,
+        num_devices=scene.devices,
+        is_denoised=scene.denoise,
+        point_candidates=scene.points,
+        num_processes=processes,
     )
 
 

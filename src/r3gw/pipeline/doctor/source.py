@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from r3gw.benchmark.generate import PLACES
+from r3gw.benchmark.work import PLACES
 from r3gw.files import InputError
 from r3gw.importing.completeness import require_complete
 from r3gw.importing.evaluation_config import read_evaluation
