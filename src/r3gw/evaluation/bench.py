@@ -39,7 +39,7 @@ class Bench:
     @property
     def light_degree(self) -> int:
         """SH degree that lights are projected to: the model's own."""
-        return self.model.settings.model.light_degree
+        return self.model.description.light_degree
 
     def photo(self, view: View) -> Float[np.ndarray, "h w 3"]:
         """The view's photo, display values in [0, 1]."""

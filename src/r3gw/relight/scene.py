@@ -102,7 +102,7 @@ def relightable_of(model: SceneModel) -> Relightable:
         foreground["albedo_logits"].sigmoid(),
         foreground["roughness_logits"].sigmoid(),
         {photo: photo_light(model, photo) for photo in model.photos},
-        model.settings.model.light_degree,
-        model.settings.model.specular,
+        model.description.light_degree,
+        model.description.specular,
         foreground.values.get(OCCLUSION),
     )
