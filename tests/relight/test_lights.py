@@ -18,7 +18,7 @@ from r3gw.relight.picture import EnvMap
 from r3gw.relight.scene import relightable_of
 from r3gw.relight.sweep import Sweep
 
-ORIGIN = Path("model.pt")
+ORIGIN = Path("model.safetensors")
 
 
 def test_blend_ends_at_the_two_lights(tiny):

@@ -2,7 +2,7 @@
 
 It describes itself: the settings of the training ride along as a record that reading does not look
 at, so new settings never make an old model unreadable. Models of the file's version 3
-(``model.pt``) are read too.
+(``model.safetensors``) are read too.
 """
 
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ from r3gw.files.strict import Strict, validated
 from r3gw.lighting import sh
 from r3gw.model import foreground, sky
 from r3gw.model.appearance import Appearance
-from r3gw.model.attributes import FOREGROUND, SKY, Attribute
+from r3gw.model.attributes import FOREGROUND, SKY
 from r3gw.model.description import ModelDescription, light_rows
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION, Rows
@@ -59,14 +59,10 @@ def model_tensors(model: SceneModel) -> dict[str, Tensor]:
 
 def model_record(model: SceneModel) -> ModelRecord:
     """The plain values of a model."""
-    return ModelRecord(
-        description=model.description, photos=model.photos, sessions=model.sessions
-    )
+    return ModelRecord(description=model.description, photos=model.photos, sessions=model.sessions)
 
 
-def save_model(
-    model: SceneModel, path: Path, training: Mapping[str, Any] | None = None
-) -> None:
+def save_model(model: SceneModel, path: Path, training: Mapping[str, Any] | None = None) -> None:
     """Write the model atomically, with the settings of its training as a record."""
     record = {"version": FILE_VERSION, "model": model_record(model).model_dump(mode="json")}
     write_arrays(path, model_tensors(model), record | {"training": dict(training or {})})
@@ -80,21 +76,24 @@ def load_model(path: Path) -> SceneModel:
     """
     if not path.is_file():
         raise InputError(f"{path}: no such model; train the scene first")
-    if is_version_3(path):
-        tensors, values = read_version_3(path)
-    else:
-        tensors, content = read_arrays(path, WHAT)
-        if content.get("version") != FILE_VERSION:
-            raise InputError(
-                f"{path}: model file version {content.get('version')!r}, but this r3gw reads "
-                f"versions 3 and {FILE_VERSION}; train the scene again"
-            )
-        values = content.get("model")
-    if not isinstance(values, dict):
-        raise InputError(f"{path}: no {WHAT}: it does not say what the model is")
+    tensors, values = read_version_3(path) if is_version_3(path) else _read(path)
     model = model_from(tensors, validated(ModelRecord, values, str(path)), str(path))
     model.appearance.eval()
     return model
+
+
+def _read(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:
+    """Arrays and plain values of a model of today's version."""
+    tensors, content = read_arrays(path, WHAT)
+    if content.get("version") != FILE_VERSION:
+        raise InputError(
+            f"{path}: model file version {content.get('version')!r}, but this r3gw reads "
+            f"versions 3 and {FILE_VERSION}; train the scene again"
+        )
+    values = content.get("model")
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: no {WHAT}: it does not say what the model is")
+    return tensors, values
 
 
 def model_from(tensors: Mapping[str, Tensor], record: ModelRecord, source: str) -> SceneModel:

@@ -13,7 +13,6 @@ from torch import Tensor
 
 from r3gw.files import InputError
 from r3gw.files.arrays import LARGEST_BYTES, require_size
-from r3gw.model.rows import OCCLUSION
 
 VERSION = 3
 FIRST_BYTES = b"PK\x03\x04"
@@ -39,7 +38,7 @@ def read_version_3(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:
         )
     try:
         return _tensors(content), _values(content)
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
+    except (KeyError, TypeError, AttributeError, StopIteration) as error:
         raise InputError(f"{path}: damaged, or no model of r3gw ({error!r:.120})") from None
 
 
@@ -53,7 +52,7 @@ def _loaded(path: Path) -> dict[str, Any]:
         content = torch.load(path, weights_only=True, map_location="cpu")
     except InputError:
         raise
-    except Exception as error:  # noqa: BLE001  Torch names no base class of what it raises.
+    except Exception as error:
         reason = str(error).split("\n")[0][:120] or type(error).__name__
         raise InputError(f"{path}: damaged, or no model of r3gw ({reason})") from None
     if not isinstance(content, dict):
@@ -62,10 +61,17 @@ def _loaded(path: Path) -> dict[str, Any]:
 
 
 def _tensors(content: Mapping[str, Any]) -> dict[str, Tensor]:
-    tensors = {f"foreground.{k.removeprefix('values.')}": v for k, v in content["foreground"].items()}
-    tensors |= {f"sky.{k.removeprefix('rows.values.')}": v for k, v in content["sky"].items()}
-    for name, value in content["appearance"].items():
-        tensors[f"appearance.{name.replace('outdoor.', 'light_model.', 1)}"] = value
+    """Arrays under their names of today; old prefixes on the left."""
+    prefixes = {
+        "foreground": {"values.": "foreground."},
+        "sky": {"rows.values.": "sky.", "": "sky."},
+        "appearance": {"outdoor.": "appearance.light_model.", "": "appearance."},
+    }
+    tensors: dict[str, Tensor] = {}
+    for part, renamed in prefixes.items():
+        for name, value in content[part].items():
+            old = next(prefix for prefix in renamed if name.startswith(prefix))
+            tensors[f"{renamed[old]}{name.removeprefix(old)}"] = value
     return tensors
 
 

@@ -46,7 +46,9 @@ class Checkpoints:
             tensors, record = read_arrays(self.path, "checkpoint of r3gw")
             restored = _state(tensors, record, state.settings, str(self.path))
         except (InputError, KeyError, TypeError, ValueError, RuntimeError, IndexError) as error:
-            log.warning("%s cannot be continued from (%s): training starts afresh", self.path, error)
+            log.warning(
+                "%s cannot be continued from (%s): training starts afresh", self.path, error
+            )
             return first_state(state.model, state.settings)
         log.info("continuing from %s at iteration %d", self.path, restored.iteration)
         return restored

@@ -29,7 +29,7 @@ def run_training(
     variant: str,
     num_threads: int,
 ) -> None:
-    """Train and write ``target``/{model.safetensors, history.csv, run.json}; run.json is written last.
+    """Train and write model.safetensors, history.csv and, last, run.json into ``target``.
 
     Args:
         scene_folder: Imported scene.

@@ -9,7 +9,6 @@ from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.model.description import LARGEST_LAYER
 from r3gw.model.settings import InitSettings, OcclusionSettings, SkySettings
 
-
 # What `short_run_boost` multiplies.
 SLOW_RATES = ("albedo", "roughness", "sky_radius", "embedding", "mlp")
 
@@ -88,7 +87,7 @@ class DensitySettings(Strict):
 
 
 class SilhouetteSettings(Strict):
-    """The foreground's opacity in place of Eq. 15 (r3gw.training.losses.separation); not in the paper."""
+    """The foreground's opacity in place of Eq. 15 (`silhouette_loss`); not in the paper."""
 
     enabled: bool
     solid: float = Field(ge=0)

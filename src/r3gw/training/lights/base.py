@@ -1,6 +1,5 @@
 """What training must know of every light model."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -9,7 +8,6 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.model.appearance import PhotoLight
-from r3gw.model.light_models.base import LightModel
 from r3gw.training.losses.known_gradient import KnownLoss
 from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
@@ -26,17 +24,11 @@ class NamedLoss(NamedTuple):
     loss: Loss
 
 
-class LightTraining(ABC):
-    """The training of one kind of light model. A new kind is a row of `r3gw.training.lights.kinds`."""
+class LightTraining:
+    """The training of one kind of light model; here nothing of it is learned or held back.
 
-    @abstractmethod
-    def first(self, settings: TrainSettings, seen: Seen) -> LightModel:
-        """The light model before training.
-
-        Args:
-            settings: Of the run.
-            seen: Per embedding, the skies that its photos show.
-        """
+    A new kind is a row of `r3gw.training.lights.kinds`.
+    """
 
     def rate(self, settings: TrainSettings) -> float:  # noqa: ARG002
         """Learning rate of the light model's own parameters; the MLP has its own."""
@@ -49,7 +41,7 @@ class LightTraining(ABC):
         settings: TrainSettings,  # noqa: ARG002
         generator: torch.Generator,  # noqa: ARG002
     ) -> Iterator[NamedLoss]:
-        """What keeps the light of a photo plausible; by default nothing.
+        """What keeps the light of a photo plausible.
 
         Args:
             lit: The photo's light, without noise.

@@ -7,19 +7,20 @@ import torch
 from r3gw.lighting import sh
 from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.free import FreeLight
-from r3gw.training.lights.base import LightTraining, NamedLoss, Seen
+from r3gw.training.lights.base import LightTraining, NamedLoss
 from r3gw.training.losses.lighting import random_directions
 from r3gw.training.losses.regularisers import positivity_loss
 from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
 
 
+def first_free(settings: TrainSettings) -> FreeLight:
+    """Light of the settings' radiance from everywhere."""
+    return FreeLight(sh.constant(settings.init.light_radiance, settings.model.light_degree))
+
+
 class FreeTraining(LightTraining):
     """All there is to learn is in the MLP."""
-
-    def first(self, settings: TrainSettings, seen: Seen) -> FreeLight:  # noqa: ARG002
-        """Light of the settings' radiance from everywhere."""
-        return FreeLight(sh.constant(settings.init.light_radiance, settings.model.light_degree))
 
     def losses(
         self,

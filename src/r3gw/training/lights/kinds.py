@@ -1,4 +1,4 @@
-"""Which training belongs to which light model."""
+"""Which training belongs to which light model, and which one the settings ask for."""
 
 from collections.abc import Mapping
 
@@ -7,15 +7,14 @@ from r3gw.model.light_models.fixed import FixedLight
 from r3gw.model.light_models.free import FreeLight
 from r3gw.model.light_models.outdoor import OutdoorLight
 from r3gw.training.lights.base import LightTraining, Seen
-from r3gw.training.lights.fixed import FixedTraining
-from r3gw.training.lights.free import FreeTraining
-from r3gw.training.lights.outdoor import OutdoorTraining
+from r3gw.training.lights.free import FreeTraining, first_free
+from r3gw.training.lights.outdoor import OutdoorTraining, first_outdoor
 from r3gw.training.settings import TrainSettings
 
 TRAININGS: Mapping[type[LightModel], LightTraining] = {
     FreeLight: FreeTraining(),
     OutdoorLight: OutdoorTraining(),
-    FixedLight: FixedTraining(),
+    FixedLight: LightTraining(),  # nothing about known lights is learned
 }
 
 
@@ -26,8 +25,9 @@ def first_light(settings: TrainSettings, seen: Seen) -> LightModel:
         settings: Of the run.
         seen: Per embedding, the skies that its photos show.
     """
-    kind = OutdoorLight if settings.outdoor.enabled else FreeLight
-    return TRAININGS[kind].first(settings, seen)
+    if settings.outdoor.enabled:
+        return first_outdoor(settings, seen)
+    return first_free(settings)
 
 
 def training_of(light_model: LightModel) -> LightTraining:

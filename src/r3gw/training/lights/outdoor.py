@@ -19,16 +19,17 @@ from r3gw.training.settings import OutdoorSettings, TrainSettings
 from r3gw.training.visible_sky import first_sky
 
 
+def first_outdoor(settings: TrainSettings, seen: Seen) -> OutdoorLight:
+    """Skies as the photos show them, per embedding, and a sun overhead."""
+    outdoor = settings.outdoor
+    skies = torch.stack([first_sky(photos, settings.init.light_radiance) for photos in seen])
+    return OutdoorLight(
+        skies, outdoor.sun_power, outdoor.ground_reflectance, settings.model.light_degree
+    )
+
+
 class OutdoorTraining(LightTraining):
     """Direction and power of the sun are learned beside the MLP."""
-
-    def first(self, settings: TrainSettings, seen: Seen) -> OutdoorLight:
-        """Skies as the photos show them, a sun overhead."""
-        outdoor = settings.outdoor
-        skies = torch.stack([first_sky(photos, settings.init.light_radiance) for photos in seen])
-        return OutdoorLight(
-            skies, outdoor.sun_power, outdoor.ground_reflectance, settings.model.light_degree
-        )
 
     def rate(self, settings: TrainSettings) -> float:
         """The sun's, faster in short runs."""
