@@ -14,7 +14,7 @@ from r3gw.imaging.files import read_rgb
 def gallery(tiny, tmp_path_factory):
     """The gallery of the tiny scene."""
     folder = tmp_path_factory.mktemp("gallery")
-    write_gallery(tiny.bench, folder)
+    write_gallery(tiny.trained, folder)
     return folder
 
 
@@ -40,7 +40,7 @@ def test_learned_lights_come_from_one_photo_per_session(tiny, gallery):
     view = tiny.view("c_swept")
     with torch.no_grad():
         light, sky, _ = tiny.model.appearance(0)
-    expected = tiny.bench.render(view, light, sky) * 255
+    expected = tiny.trained.render(view, light, sky) * 255
     picture = read_rgb(gallery / "learned" / "c_swept_0.png")
     np.testing.assert_allclose(picture, expected, rtol=0, atol=0.51)
 

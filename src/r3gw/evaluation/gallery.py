@@ -8,7 +8,6 @@ views under lights that were learned for photos, with those photos' skies. relit
 from collections.abc import Sequence
 from math import radians
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 import torch
@@ -16,7 +15,7 @@ from jaxtyping import Float
 from numpy.typing import NDArray
 from torch import Tensor
 
-from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.files import write_json
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.imaging.colour import display_array_from_linear, linear_from_display
@@ -27,6 +26,7 @@ from r3gw.lighting.maps import map_light
 from r3gw.lighting.sh_rotation import rotate
 from r3gw.model.lights import learned_strength, photo_light
 from r3gw.scene import View
+from r3gw.scene.selection import evenly
 
 NUM_YAWS = 24
 NUM_VIEWS = 2
@@ -34,20 +34,13 @@ NUM_LIGHTS = 6
 THUMBNAIL_PX = 64
 BRIGHTEST_QUANTILE = 0.98
 
-Item = TypeVar("Item")
 Source = tuple[str, Float[Tensor, "coeff 3"], Float[Tensor, "h w 3"]]
 
 
-def evenly(items: Sequence[Item], count: int) -> list[Item]:
-    """At most ``count`` of the items, evenly spread."""
-    chosen = np.linspace(0, len(items) - 1, min(count, len(items))).round().astype(int)
-    return [items[i] for i in np.unique(chosen)]
-
-
-def write_gallery(bench: Bench, folder: Path) -> None:
+def write_gallery(trained: TrainedScene, folder: Path) -> None:
     """Render two views under a turning map and under learned lights; relit.json is last."""
-    views = evenly(bench.scene.split("test") or bench.scene.split("train"), NUM_VIEWS)
-    name, light, env_map = _map_source(bench)
+    views = evenly(trained.scene.split("test") or trained.scene.split("train"), NUM_VIEWS)
+    name, light, env_map = _map_source(trained)
     yaws_deg = [round(360 * i / NUM_YAWS) for i in range(NUM_YAWS)]
     for yaw_deg in yaws_deg:
         turned = rotate(light, rotation_about_axis(1, radians(yaw_deg)))
@@ -55,15 +48,15 @@ def write_gallery(bench: Bench, folder: Path) -> None:
         thumbnail = light_picture(env_map.roll(shift, dims=1))
         write_image(folder / "map" / f"light_{yaw_deg:03d}.png", thumbnail)
         for view in views:
-            picture = bytes_from_display(bench.render(view, turned, None))
+            picture = bytes_from_display(trained.render(view, turned, None))
             write_image(folder / "map" / f"{view.name}_{yaw_deg:03d}.png", picture)
-    photos = _photos_of_sessions(bench.scene.split("train"))
+    photos = _photos_of_sessions(trained.scene.split("train"))
     for number, photo in enumerate(photos):
-        learned, sky_light = photo_light(bench.model, photo)
+        learned, sky_light = photo_light(trained.model, photo)
         drawn = light_picture(envmap.draw(learned, THUMBNAIL_PX))
         write_image(folder / "learned" / f"light_{number}.png", drawn)
         for view in views:
-            picture = bytes_from_display(bench.render(view, learned, sky_light))
+            picture = bytes_from_display(trained.render(view, learned, sky_light))
             write_image(folder / "learned" / f"{view.name}_{number}.png", picture)
     names = [view.name for view in views]
     write_json(
@@ -87,13 +80,13 @@ def _photos_of_sessions(views: Sequence[View]) -> list[str]:
     return evenly(sorted(first.values()), NUM_LIGHTS)
 
 
-def _map_source(bench: Bench) -> Source:
+def _map_source(trained: TrainedScene) -> Source:
     """The most directional of the maps that come with the scene; else of the learned lights."""
-    test = bench.scene.split("test")
-    sources = [_map_of(bench, view) for view in test if view.truth or view.evaluation]
+    test = trained.scene.split("test")
+    sources = [_map_of(trained, view) for view in test if view.truth or view.evaluation]
     if not sources:
-        for photo in bench.model.photos:
-            light = photo_light(bench.model, photo)[0]
+        for photo in trained.model.photos:
+            light = photo_light(trained.model, photo)[0]
             drawn = envmap.draw(light, THUMBNAIL_PX)
             sources.append((f"light learned for {photo}", light, drawn))
     return max(sources, key=lambda source: _directionality(source[1]))
@@ -104,20 +97,20 @@ def _directionality(light: Float[Tensor, "coeff 3"]) -> float:
     return float(light[1:4].norm() / light[0].norm())
 
 
-def _map_of(bench: Bench, view: View) -> Source:
+def _map_of(trained: TrainedScene, view: View) -> Source:
     """A test view's true HDR map in the photo's units, or its LDR map.
 
     An LDR map knows no units, so it is brought to the mean strength of the learned lights.
     """
     if view.truth is not None:
-        path = bench.scene_folder / view.truth.env_map
+        path = trained.scene_folder / view.truth.env_map
         name = f"true map of {view.session or view.name}"
-        return name, bench.true_light(view.truth), envmap.read_env_map(path)
+        return name, trained.true_light(view.truth), envmap.read_env_map(path)
     assert view.evaluation is not None  # the caller's choice
-    path = bench.scene_folder / view.evaluation.env_map
+    path = trained.scene_folder / view.evaluation.env_map
     env_map = envmap.read_env_map(path)
     if path.suffix.lower() in LDR_SUFFIXES:
         env_map = linear_from_display(env_map)
-    light = map_light(path, bench.light_degree)
-    strength = learned_strength(bench.model) / light[0].mean()
+    light = map_light(path, trained.light_degree)
+    strength = learned_strength(trained.model) / light[0].mean()
     return f"map of {view.session or view.name}", light * strength, env_map
