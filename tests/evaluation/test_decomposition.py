@@ -63,7 +63,7 @@ def test_shares_add_up_to_the_picture(tiny):
 
 
 def trained_with(tiny, name: str, **truths: np.ndarray) -> TrainedScene:
-    """The tiny scene, whose exact view has other true albedo, normals or depth; 0 on the sky stays."""
+    """The tiny scene with other true albedo, normals or depth in its exact view; sky stays 0."""
     view, paths = tiny.view("b_exact"), {}
     for kind, values in truths.items():
         picture = np.broadcast_to(values, (32, 48, 3)).astype(np.float32).copy()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from r3gw.evaluation.gallery import evenly, light_picture, write_gallery
+from r3gw.evaluation.gallery import light_picture, write_gallery
 from r3gw.imaging.files import read_rgb
 
 
@@ -53,8 +53,3 @@ def test_light_picture_is_white_at_its_brightest():
     assert picture[0].min() == 255
     expected = 255 * (0.2 / 0.8) ** (1 / 2.2)
     np.testing.assert_allclose(picture[40], expected, rtol=0, atol=1)
-
-
-def test_evenly_takes_both_ends():
-    assert evenly(range(10), 4) == [0, 3, 6, 9]
-    assert evenly("ab", 5) == ["a", "b"]

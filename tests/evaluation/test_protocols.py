@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 import torch
 
-from r3gw.evaluation.protocols import PROTOCOLS, Exact, Learned, diffuse_oracle
+from r3gw.evaluation.protocols.exact import Exact, diffuse_oracle
+from r3gw.evaluation.protocols.learned import Learned
 from r3gw.evaluation.protocols.published import published_light
+from r3gw.evaluation.protocols.registry import PROTOCOLS
 from r3gw.evaluation.protocols.swept import FullYaw, NerfOsr, NerfOsrLinear
 from r3gw.files import InputError
 from r3gw.imaging.files import write_exr, write_image

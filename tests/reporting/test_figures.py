@@ -10,12 +10,12 @@ from support.made_up_runs import BLUE, GREEN, RED, make_run, make_scene, plain
 
 from r3gw.files import InputError
 from r3gw.reporting.figures.comparisons import busiest_window
-from r3gw.reporting.figures.evaluated import read_run
 from r3gw.reporting.figures.grids import absolute_error
 from r3gw.reporting.figures.kinds import PICTURES, PLOTS
 from r3gw.reporting.figures.stage import scene_figures
 from r3gw.reporting.figures.style import Cell, Scale, look, picture_grid, save
 from r3gw.reporting.figures.truth import depth_scale
+from r3gw.reporting.runs import load_run
 from r3gw.scene import load_scene
 
 viridis = colormaps["viridis"]
@@ -64,7 +64,8 @@ def test_test_views_without_a_protocol_leave_the_place_to_training_views(tmp_pat
     make_scene(tmp_path / "scene", with_test=True)
     run = make_run(tmp_path / "full", "full", with_test=False)
     assert "views.png" in draw(tmp_path, [run], tmp_path / "figures")
-    assert [v.name for v in read_run(run).shown_views(load_scene(tmp_path / "scene"))] == ["t"]
+    read = load_run(run / "metrics" / "metrics.json")
+    assert [v.name for v in read.shown_views(load_scene(tmp_path / "scene"))] == ["t"]
 
 
 def test_same_runs_give_the_same_bytes(tmp_path):

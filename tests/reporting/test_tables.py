@@ -255,8 +255,8 @@ def test_bad_files_are_named(files, tmp_path):
     with pytest.raises(InputError, match="scene chapel, variant full, seed 0"):
         table1([files[0], files[0]], None, tmp_path / "t.csv")
     (files[0].with_name("cost.json")).unlink()
-    with pytest.raises(InputError, match=r"cost\.json: no such file; evaluate the run first"):
-        table1(files[:1], None, tmp_path / "t.csv")
+    with pytest.raises(InputError, match=r"cost\.json: no such file; train and evaluate the run"):
+        cost(files[:1], tmp_path / "cost.csv")
     (tmp_path / "old.json").write_text("{}")
     (tmp_path / "cost.json").write_text("{}")
     with pytest.raises(InputError, match=r"old\.json: not a metrics file"):

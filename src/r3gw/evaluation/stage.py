@@ -18,8 +18,8 @@ from tqdm import tqdm
 from r3gw.evaluation.cost import measured_cost
 from r3gw.evaluation.decomposition import light_records, sky_records, surface_records
 from r3gw.evaluation.gallery import write_gallery
-from r3gw.evaluation.protocols import PROTOCOLS
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.evaluation.protocols.registry import PROTOCOLS
 from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.files import InputError, write_json
 from r3gw.imaging.colour import display_array_from_linear
