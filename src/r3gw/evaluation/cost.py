@@ -25,7 +25,7 @@ def measured_cost(trained: TrainedScene, num_threads: int) -> dict[str, float | 
     for number, i in enumerate(turns):
         if number == NUM_WARM_UP:
             start = perf_counter()
-        trained.render(views[i], *lights[i])
+        trained.render(views[i], lights[i])
     seconds = perf_counter() - start
     return {
         "renders_per_second": NUM_TIMED / seconds,

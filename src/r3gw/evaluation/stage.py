@@ -25,7 +25,7 @@ from r3gw.files import InputError, write_json
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_picture
-from r3gw.model.lights import photo_light
+from r3gw.model.lights import learned_lights
 from r3gw.model.model import load_model
 from r3gw.relight.files.lights_file import write_lights
 from r3gw.rendering.surfaces import apart, surfaces_of
@@ -66,8 +66,7 @@ def evaluate_run(
         path = target / "images" / record["protocol"] / f"{record['view']}.json"
         write_json(path, {**record, "run": run})
     write_gallery(trained, target / "relit")
-    model = trained.model
-    write_lights({photo: photo_light(model, photo) for photo in model.photos}, "scene", target)
+    write_lights(learned_lights(trained.model), "scene", target)
     write_json(target / "cost.json", measured_cost(trained, num_threads))
     decomposition = surface_records(trained) + light_records(trained) + sky_records(trained)
     write_json(
@@ -119,7 +118,8 @@ def _write_parts(trained: TrainedScene, view: View, outcome: Outcome, folder: Pa
     is_surface = surfaces.foreground_alpha >= VISIBLE_ALPHA
     depth = np.where(is_surface, surfaces.depth, 0.0).astype(np.float32)
     albedo = np.where(is_surface[..., None], display_array_from_linear(surfaces.albedo), 1.0)
-    foreground, sky = apart(trained.model, view.camera, outcome.light, outcome.sky_light)
+    light = outcome.light
+    foreground, sky = apart(trained.model, view.camera, light.sh, light.sky_coefficients)
     parts = {
         "albedo": bytes_from_display(albedo),
         "normal": normal_picture(np.where(is_surface[..., None], surfaces.normal, 0.0)),

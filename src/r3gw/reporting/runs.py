@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from r3gw.evaluation.protocols import registry
 from r3gw.files import InputError
 from r3gw.imaging.files import read_linear, read_rgb
-from r3gw.relight.files.lights_file import Lights, read_lights
+from r3gw.lighting.light import Light
+from r3gw.relight.files.lights_file import read_lights
 from r3gw.reporting.columns import Record, figures_of
 from r3gw.reporting.methods import method_of
 from r3gw.reporting.relit import Relit, read_relit
@@ -69,8 +70,8 @@ class Run:
         return cost
 
     @cached_property
-    def lights(self) -> Lights:
-        """Per training photo its light and its sky coefficients.
+    def lights(self) -> Mapping[str, Light]:
+        """Per training photo the light and sky that were learned for it.
 
         Raises:
             InputError: If the evaluation did not write them.

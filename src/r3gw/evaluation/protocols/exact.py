@@ -14,6 +14,7 @@ from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_linear
 from r3gw.lighting.irradiance import irradiance
+from r3gw.lighting.light import Light
 from r3gw.scene import GroundTruth, View
 
 
@@ -39,15 +40,15 @@ class Exact(ViewProtocol):
     def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
         """Render under the true light; ``oracle_psnr`` bounds what to expect."""
         assert view.truth is not None  # covers() holds
-        light = trained.true_light(view.truth)
+        light = Light(trained.true_light(view.truth))
         photo, is_scored = trained.photo(view), trained.is_scored(view)
-        picture = trained.render(view, light, None)
-        oracle = diffuse_oracle(trained, view.truth, light)
+        picture = trained.render(view, light)
+        oracle = diffuse_oracle(trained, view.truth, light.sh)
         figures = {
             **asdict(score(picture, photo, is_scored, view.name)),
             "oracle_psnr": masked_psnr(oracle, photo, is_scored, view.name),
         }
-        return Outcome(picture, light, None, figures)
+        return Outcome(picture, light, figures)
 
 
 def diffuse_oracle(

@@ -26,11 +26,11 @@ class Learned(ViewProtocol):
 
     def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
         """Score all valid pixels, and once more (``psnr_foreground``) those that are not sky."""
-        light, sky_light = photo_light(trained.model, view.name)
+        light = photo_light(trained.model, view.name)
         photo, (is_valid, is_sky) = trained.photo(view), trained.masks(view)
-        picture = trained.render(view, light, sky_light)
+        picture = trained.render(view, light)
         figures: dict[str, Any] = asdict(score(picture, photo, is_valid, view.name))
         is_foreground = is_valid & ~is_sky
         if is_foreground.any():
             figures["psnr_foreground"] = masked_psnr(picture, photo, is_foreground, view.name)
-        return Outcome(picture, light, sky_light, figures)
+        return Outcome(picture, light, figures)

@@ -102,9 +102,9 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Run) -> Figure:
 def _light_drawn_under(scene_folder: Path, run: Run, view: View) -> NDArray[np.uint8] | None:
     """The SH light of a view's first picture as a map: learned, or the true map's."""
     if view.name in run.lights:
-        light = run.lights[view.name][0]
+        light = run.lights[view.name].sh
     elif view.truth is not None and run.lights:
-        degree = isqrt(len(next(iter(run.lights.values()))[0])) - 1
+        degree = isqrt(len(next(iter(run.lights.values())).sh)) - 1
         light = light_of_map(envmap.read_env_map(scene_folder / view.truth.env_map), degree)
     else:
         return None
@@ -118,7 +118,7 @@ def light_grid(scene: Scene, scene_folder: Path, run: Run) -> Figure:
         raise InputError(f"{run.folder / 'lights.json'}: has no light of a training photo")
     chosen = evenly(views, NUM_LIGHTS)
     maps = {
-        view.name: envmap.draw(run.lights[view.name][0], LIGHT_MAP_HEIGHT).numpy()
+        view.name: envmap.draw(run.lights[view.name].sh, LIGHT_MAP_HEIGHT).numpy()
         for view in chosen
     }
     brightest = float(np.quantile(np.stack(list(maps.values())), BRIGHTEST_QUANTILE))

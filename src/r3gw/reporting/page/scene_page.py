@@ -120,7 +120,7 @@ def _lights(run: Run, scene: Scene, folder: Path) -> list[Page]:
     for view in scene.split("train"):
         if view.name not in run.lights:
             continue
-        drawn = envmap.draw(run.lights[view.name][0], THUMBNAIL_PX)
+        drawn = envmap.draw(run.lights[view.name].sh, THUMBNAIL_PX)
         lights.append(
             {
                 "name": view.name,
