@@ -5,15 +5,11 @@ from pathlib import Path
 from r3gw.benchmark.generate import PLACES
 from r3gw.files import InputError
 from r3gw.importing.completeness import require_complete
-from r3gw.importing.evaluation_config import read_evaluation
-from r3gw.importing.folders import MASK_FOLDERS
-from r3gw.importing.named_files import pictures_by_key
-from r3gw.importing.settings import PhotosScene, SceneSettings, SyntheticScene
+from r3gw.importing.formats import reader_of
+from r3gw.importing.settings import SceneSettings, SyntheticScene
 from r3gw.masks.network import SegmentationNetwork
 from r3gw.masks.settings import chain
 from r3gw.pipeline.doctor.findings import Findings
-
-_LEAST_PHOTOS = 3
 
 
 def examine_source(name: str, settings: SceneSettings) -> Findings:
@@ -52,24 +48,7 @@ def _examine_files(
     findings.attempt(lambda: require_complete(name, settings, source))
     if len(findings.problems) > before:
         return
-    if isinstance(settings, PhotosScene):
-        if source.is_dir():
-            findings.attempt(lambda: _enough_photos(source, findings))
-        return
-    entries = findings.attempt(lambda: read_evaluation(source / "eval_files"))
-    if entries is not None:
-        findings.facts["views with an environment map"] = str(len(entries))
-
-
-def _enough_photos(source: Path, findings: Findings) -> None:
-    beside = tuple(name for name, _ in MASK_FOLDERS.values())
-    photos = pictures_by_key(source, without=beside)
-    findings.facts["photos"] = str(len(photos))
-    if len(photos) < _LEAST_PHOTOS:
-        found = "1 photo is" if len(photos) == 1 else f"{len(photos)} photos are"
-        raise InputError(
-            f"{source}: {found} here, but at least {_LEAST_PHOTOS} that overlap are needed"
-        )
+    findings.facts.update(findings.attempt(reader_of(settings, source).facts) or {})
 
 
 def _mask_sources(settings: SceneSettings) -> None:
