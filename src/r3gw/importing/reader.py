@@ -1,6 +1,7 @@
 """What every format's reader offers: what is missing, what can be said before, and the scene."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
@@ -40,10 +41,14 @@ class Reader(ABC, Generic[Entry]):
         self.source = source
 
     @abstractmethod
-    def missing(self) -> list[str]:
+    def missing(self, given: Collection[str] = ()) -> list[str]:
         """Names of the files that the scene needs and does not have, in a fixed order.
 
         Only names are looked at, so that it can run before anything else does.
+
+        Args:
+            given: Kinds of masks that NeRF-OSR's photos must come with; the mask stage makes the
+                others if they are missing.
 
         Raises:
             InputError: If a list that names the files is itself unreadable.

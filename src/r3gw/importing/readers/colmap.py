@@ -1,5 +1,6 @@
 """Reader of COLMAP folders: photos in images/, models in sparse/, sparse/0/ and so on."""
 
+from collections.abc import Collection
 from pathlib import Path
 
 from r3gw.files import InputError
@@ -47,7 +48,7 @@ class ColmapReader(Reader[ColmapScene]):
     is triangulated.
     """
 
-    def missing(self) -> list[str]:
+    def missing(self, given: Collection[str] = ()) -> list[str]:  # noqa: ARG002
         """The folder of photos, and a model."""
         missing = [] if pictures_below(self.source / "images") else ["images/"]
         if not model_folders(self.source):

@@ -1,6 +1,6 @@
 """Reader of NeRF-OSR scenes as LumiGauss prepared them, and of the embedded benchmark's own."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -60,7 +60,7 @@ class NerfOsrReader(Reader[SyntheticScene | NerfOsrScene]):
         pictures_by_key(folder)
         return pictures_below(folder)
 
-    def missing(self) -> list[str]:
+    def missing(self, given: Collection[str] = ()) -> list[str]:
         """Model, photos of the split list, masks and entries that the settings ask for."""
         if not self._undistorted.is_dir():
             return ["undistorted/"]
@@ -70,7 +70,7 @@ class NerfOsrReader(Reader[SyntheticScene | NerfOsrScene]):
         pictures = self._pictures()
         found = photos_named(lines, pictures, self._undistorted)
         missing += [f"undistorted/images/{name}" for name in lines if name not in found]
-        if self.settings.sky_masks == "given":
+        if "is_sky" in given:
             folder = self._undistorted / "sky_masks"
             masks = ByPhoto(mask_files(folder), list(lines), str(folder))
             missing += [f"undistorted/sky_masks/{stem_of(n)}.png" for n in lines if n not in masks]

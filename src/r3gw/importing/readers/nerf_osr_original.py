@@ -5,6 +5,7 @@ Poses and intrinsics are text files with 16 numbers, row by row, in the format o
 There is no sparse model, so the initial points are triangulated.
 """
 
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ class NerfOsrOriginalReader(Reader[NerfOsrOriginalScene]):
         folder = self.source / "final"
         return folder if folder.is_dir() else self.source
 
-    def missing(self) -> list[str]:
+    def missing(self, given: Collection[str] = ()) -> list[str]:  # noqa: ARG002
         """Photos of a split, and the two matrices of each photo."""
         missing = []
         for split in SPLITS:

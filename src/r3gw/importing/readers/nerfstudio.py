@@ -4,7 +4,7 @@ Its cameras look along -z with y up (OpenGL), and its world has z up; intrinsics
 COLMAP (pixel centres at +0.5).
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path, PurePosixPath
 
 import numpy as np
@@ -51,7 +51,7 @@ class NerfstudioReader(Reader[NerfstudioScene]):
     def _file(self) -> Path:
         return self.source / "transforms.json"
 
-    def missing(self) -> list[str]:
+    def missing(self, given: Collection[str] = ()) -> list[str]:  # noqa: ARG002
         """Photos, masks and the point cloud that the file names."""
         if not self._file.is_file():
             return ["transforms.json"]

@@ -1,5 +1,6 @@
 """Reader of anybody's own photos, or a video: their cameras are found by structure from motion."""
 
+from collections.abc import Collection
 from pathlib import Path
 
 import pycolmap
@@ -25,7 +26,7 @@ from r3gw.importing.source import SourceScene, SourceView
 class PhotosReader(Reader[PhotosScene]):
     """A folder of photos with ``masks/`` and ``sky_masks/``, if there are any; or a video file."""
 
-    def missing(self) -> list[str]:
+    def missing(self, given: Collection[str] = ()) -> list[str]:  # noqa: ARG002
         """Nothing: any folder will do."""
         return []
 
