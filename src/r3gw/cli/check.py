@@ -82,9 +82,9 @@ def doctor_scene(scene: str, results: Path, target: Path) -> None:
 @click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
 def doctor_run(name: str, checked: Path, settings: Path, target: Path) -> None:
     """Refuse a training that this machine cannot hold in memory."""
-    from r3gw.model.settings import load_train_settings
     from r3gw.pipeline.doctor.findings import Findings
     from r3gw.pipeline.doctor.training import describe_training, read_size
+    from r3gw.training.settings import load_train_settings
 
     findings = Findings(name)
     describe_training(read_size(checked), [load_train_settings(settings)], findings)
@@ -107,6 +107,6 @@ def _stop_at(problems: Sequence[str]) -> None:
 @click.option("--target", type=FOLDER, required=True, help="Folder of the figures.")
 def sheet(name: str, scene: Path, masks: Path, target: Path) -> None:
     """Draw all photos of a scene with their masks tinted, as NAME_masks.png."""
-    from r3gw.reporting.figures.masks import mask_sheet
+    from r3gw.reporting.figures.mask_sheet import mask_sheet
 
     mask_sheet(name, scene, masks, target)
