@@ -10,12 +10,10 @@ from r3gw.files import InputError
 from r3gw.native.code import extension_digest, require_current_extension
 from r3gw.pipeline.code import StageCode
 
-IMPORT = {"generate", "import", "masks", "initialise"}
-TABLES = {"tables", "study"}
-PICTURES = {"figures", "report", "mask-sheet"}
-# These load a model, or code that stands beside what loads one.
-USING = {"evaluate", "figures", "report", "doctor"}
-STAGES = IMPORT | {"train"} | {"evaluate"} | TABLES | PICTURES | {"doctor"}
+# These name the protocols, which render.
+SCORED = {"evaluate", "tables", "study", "figures", "report"}
+USING = SCORED | {"doctor"}
+STAGES = {"generate", "import", "masks", "initialise", "train", "mask-sheet"} | USING
 
 # By what is edited: the stages that run again. No other does.
 EDITS = {
@@ -23,7 +21,7 @@ EDITS = {
     "benchmark/render.py": {"generate", "doctor"},
     "benchmark/settings.py": {"generate", "import", "doctor"},
     "importing/settings.py": {"import", "doctor"},
-    "importing/reconstruction/video.py": {"import"},
+    "importing/reconstruction/video.py": {"import", "doctor"},
     "importing/write.py": {"import"},
     "masks/settings.py": {"masks", "doctor"},
     "masks/network.py": {"masks", "doctor"},
@@ -35,21 +33,21 @@ EDITS = {
     "training/losses/picture.py": {"train"},
     "training/losses/ssim.py": set(),
     "rendering/compose.py": {"train"} | USING,
-    "rendering/cook_torrance.py": set(),
+    "rendering/cook_torrance.py": {"evaluate", "study", "figures", "report"},
     "raster/reference.py": set(),
-    "evaluation/protocols/swept.py": {"evaluate", "doctor"},
+    "evaluation/protocols/swept.py": SCORED,
     "evaluation/scoring.py": set(),
-    "relight/export/gltf.py": set(),
-    "reporting/tables/study.py": {"study"},
-    "reporting/figures/grids.py": {"figures"},
-    "reporting/figures/masks.py": {"mask-sheet"},
+    "relight/files/gltf.py": set(),
+    "reporting/tables/study.py": {"study", "figures", "report"},
+    "reporting/figures/grids.py": {"study", "figures"},
+    "reporting/figures/mask_sheet.py": {"mask-sheet"},
     "reporting/page/templates/report.css": {"report"},
     "reporting/page/scene_page.py": {"report"},
     "pipeline/config.py": {"doctor"},
     "pipeline/study.py": {"doctor"},
     "pipeline/doctor/cost.py": {"doctor"},
     "pipeline/code.py": set(),
-    "lighting/daylight.py": {"generate", "doctor"},
+    "lighting/daylight.py": {"generate"} | USING,
     "files/atomic.py": STAGES,
     "cli/use.py": set(),
     "cli/sections.py": set(),

@@ -50,7 +50,7 @@ def test_edited_scene_does_not_hide_edited_code(with_twin):
         ("pipeline/doctor/page.py", {"doctor"}, {"generate", "doctor_scene", "train"}),
         ("pipeline/doctor/source.py", {"doctor"}, {"generate", "import_scene", "train"}),
         ("reporting/page/templates/report.css", {"html_report"}, {"train", "evaluate"}),
-        ("relight/export/gltf.py", set(), {"train", "evaluate", "table1", "figures"}),
+        ("relight/files/gltf.py", set(), {"train", "evaluate", "table1", "figures"}),
     ],
 )
 def test_edited_code_reruns_what_depends_on_it(finished, source, reruns, keeps):
