@@ -5,6 +5,7 @@ threads finish: the same photos and seed give the same scene. Photos need no EXI
 a focal length, mapping starts from it, and its orientation is baked in first.
 """
 
+import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -17,7 +18,9 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from r3gw.files import InputError, write_json
-from r3gw.imaging.files import read_rgb, write_image
+from r3gw.imaging.decode import Picture, read_picture
+from r3gw.imaging.files import rgb_of, write_image
+from r3gw.importing.focal_length import focal_length_px
 from r3gw.importing.folders import MASK_FOLDERS, mask_files
 from r3gw.importing.named_files import pictures_by_key
 from r3gw.importing.orientation import upright_mask
@@ -27,6 +30,8 @@ from r3gw.importing.reconstruction.registration import ADVICE, Mapped, registrat
 from r3gw.importing.reconstruction.video import extract_frames
 from r3gw.importing.settings import PhotosScene
 from r3gw.importing.source import MaskKind, SourceMask, SourceScene, SourceView
+
+Given = Mapping[MaskKind, Mapping[str, Path]]
 
 _LEAST = 3  # photos that a scene needs
 
@@ -64,9 +69,8 @@ def registered_photos(
             raise InputError(f"{source}: {count} here, but at least {_LEAST} are needed; {ADVICE}")
         work = _Work(Path(folder), source, num_threads, seed)
         with quiet():
-            focal_lengths = work.bake_orientation(photos)
-            if not is_video:
-                work.bake_masks(photos_folder, photos)
+            given = {} if is_video else _masks_beside(photos_folder)
+            focal_lengths = work.bake(photos, given)
             mode = pycolmap.CameraMode.SINGLE if is_video else pycolmap.CameraMode.PER_IMAGE
             work.extract_features(focal_lengths, mode)
             work.match(settings.matching or ("sequential" if is_video else "exhaustive"))
@@ -74,6 +78,10 @@ def registered_photos(
             found = work.read(mapped.chosen)
             write_json(target / "sfm_report.json", registration_report(photos, mapped, found))
         yield found
+
+
+def _masks_beside(folder: Path) -> Given:
+    return {kind: mask_files(folder / name) for kind, (name, _) in MASK_FOLDERS.items()}
 
 
 @dataclass(frozen=True)
@@ -92,36 +100,54 @@ class _Work:
         return self.folder / "photos"
 
     @property
+    def keep(self) -> Path:
+        """Masks of what features may be taken from; no folder if from everywhere."""
+        return self.folder / "keep"
+
+    @property
     def database(self) -> Path:
         """Features and matches."""
         return self.folder / "database.db"
 
-    def bake_orientation(self, photos: Mapping[str, Path]) -> dict[str, float]:
-        """Write every photo upright as PNG; return the focal lengths (px) that EXIF tells."""
-        focal_lengths = {}
-        for path in tqdm(photos.values(), desc="reading photos", unit="photo", leave=False):
-            write_image(self.photos / f"{path.stem}.png", read_rgb(path))
-            camera = pycolmap.infer_camera_from_image(path)
-            if camera.has_prior_focal_length:
-                focal_lengths[f"{path.stem}.png"] = float(camera.mean_focal_length())
+    def bake(self, photos: Mapping[str, Path], given: Given) -> dict[str, float]:
+        """Write photos and masks upright as PNG; return the focal lengths (px) that EXIF tells.
+
+        Args:
+            photos: By key.
+            given: Masks by kind and key.
+        """
+        focal_lengths, is_masked = {}, False
+        for key, path in tqdm(photos.items(), desc="reading photos", unit="photo", leave=False):
+            picture = read_picture(path)
+            upright = picture.upright()
+            pixels, keep = rgb_of(upright, path), upright.is_opaque
+            if keep is None:
+                keep = np.ones(pixels.shape[:2], np.bool_)
+            else:
+                pixels = np.concatenate([pixels, keep[..., None] * np.uint8(255)], axis=2)
+            write_image(self.photos / f"{path.stem}.png", pixels)
+            for kind in (kind for kind, files in given.items() if key in files):
+                keep = keep & self._bake_mask(kind, given[kind][key], picture, path.stem)
+            # pycolmap leaves out photos without a mask, so every photo gets one.
+            write_image(self.keep / f"{path.stem}.png.png", keep)
+            is_masked = is_masked or not keep.all()
+            focal_length = focal_length_px(picture)
+            if focal_length is not None:
+                focal_lengths[f"{path.stem}.png"] = focal_length
+        if not is_masked:
+            shutil.rmtree(self.keep)
         return focal_lengths
 
-    def bake_masks(self, folder: Path, photos: Mapping[str, Path]) -> None:
-        """Write every mask upright, white = True, and what features may be taken from."""
-        given = {kind: mask_files(folder / name) for kind, (name, _) in MASK_FOLDERS.items()}
-        if not any(given.values()):
-            return
-        for key, photo in photos.items():
-            # pycolmap leaves out photos without a mask, so every photo gets one.
-            keep: NDArray[np.bool_] = np.ones(read_rgb(photo).shape[:2], dtype=np.bool_)
-            for kind in (kind for kind, files in given.items() if key in files):
-                mask = upright_mask(given[kind][key], photo)
-                mask = mask if MASK_FOLDERS[kind][1] else ~mask
-                path = self.folder / "masks" / kind / f"{photo.stem}.png"
-                write_image(path, mask)
-                self.masks.setdefault(photo.stem, {})[kind] = SourceMask(path)
-                keep &= ~mask if kind == "is_sky" else mask
-            write_image(self.folder / "keep" / f"{photo.stem}.png.png", keep)
+    def _bake_mask(
+        self, kind: MaskKind, file: Path, photo: Picture, stem: str
+    ) -> NDArray[np.bool_]:
+        """Write one mask upright, white = True; return where features may be taken from."""
+        read = upright_mask(file, photo)
+        mask = read.is_white if MASK_FOLDERS[kind][1] else ~read.is_white
+        path = self.folder / "masks" / kind / f"{stem}.png"
+        write_image(path, mask)
+        self.masks.setdefault(stem, {})[kind] = SourceMask(path, levels=read.described())
+        return ~mask if kind == "is_sky" else mask
 
     def extract_features(
         self, focal_lengths: Mapping[str, float], mode: pycolmap.CameraMode
@@ -140,8 +166,8 @@ class _Work:
                     database.update_camera(camera)
         options = pycolmap.FeatureExtractionOptions(num_threads=self.num_threads, use_gpu=False)
         reader = pycolmap.ImageReaderOptions()
-        if (self.folder / "keep").is_dir():
-            reader.mask_path = self.folder / "keep"
+        if self.keep.is_dir():
+            reader.mask_path = self.keep
         pycolmap.extract_features(
             self.database,
             self.photos,
