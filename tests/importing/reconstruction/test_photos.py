@@ -17,10 +17,9 @@ from support.made_up_place import SIZE, place_photo
 from r3gw.files import InputError
 from r3gw.imaging.files import read_grey, read_rgb
 from r3gw.imaging.masks import read_mask
-from r3gw.importing.readers.colmap_model import from_reconstruction
-from r3gw.importing.reconstruction.registration import Mapped, registration_report
+from r3gw.importing.reconstruction.prepared import PreparedPhoto
+from r3gw.importing.reconstruction.registration import Mapped, lost_photos
 from r3gw.importing.settings import PhotosScene
-from r3gw.importing.source import SourceScene, SourceView
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
@@ -159,17 +158,13 @@ def test_a_second_group_of_photos_is_named(tmp_path):
             model.add_image_with_trivial_frame(image, pycolmap.Rigid3d())
         groups.append(model)
     groups[0].add_point3D(np.ones(3), pycolmap.Track(), np.zeros(3, np.uint8))
-    photos = {name: tmp_path / f"{name}.jpg" for name in "abcxy"}
-    mapped = Mapped(groups[0], groups[1:], tmp_path / "database.db")
-    model = from_reconstruction(groups[0], tmp_path)
-    views = tuple(
-        SourceView(Path(name).stem, tmp_path / name, camera, "train")
-        for name, camera in model.cameras.items()
-    )
-    report = registration_report(photos, mapped, SourceScene(views, model.points))
+    photos = [
+        PreparedPhoto(f"day/{name}.jpg", tmp_path / f"{name}.png", None, None, {})
+        for name in "abcxy"
+    ]
+    mapped = Mapped(groups[0], groups[1:], tmp_path / "database.db", "exhaustive, 10 pairs")
     reason = "belongs to another group of 2 photos that does not connect"
-    assert report["not_registered"] == {"x.jpg": reason, "y.jpg": reason}
-    assert report["models"] == 2
+    assert lost_photos(photos, mapped) == {"day/x.jpg": reason, "day/y.jpg": reason}
 
 
 def test_same_seed_gives_the_same_bytes(made):
