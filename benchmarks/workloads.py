@@ -6,11 +6,11 @@ from pathlib import Path
 
 import torch
 
-from r3gw.model.model import load_model
+from r3gw.model.model_file import load_model
 from r3gw.rendering.splats import splats_of
 from r3gw.scene import load_scene
 
-TRAINED = Path("results/chapel/full/seed0/model.pt")
+TRAINED = Path("results/chapel/full/seed0/model.safetensors")
 
 
 @dataclass(frozen=True)

@@ -82,9 +82,9 @@ def doctor_scene(scene: str, results: Path, target: Path) -> None:
 @click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
 def doctor_run(name: str, checked: Path, settings: Path, target: Path) -> None:
     """Refuse a training that this machine cannot hold in memory."""
-    from r3gw.model.settings import load_train_settings
     from r3gw.pipeline.doctor.findings import Findings
     from r3gw.pipeline.doctor.training import describe_training, read_size
+    from r3gw.training.settings import load_train_settings
 
     findings = Findings(name)
     describe_training(read_size(checked), [load_train_settings(settings)], findings)

@@ -11,9 +11,9 @@ from pydantic import Field
 
 from r3gw.files import InputError
 from r3gw.files.strict import Strict, read_yaml, validated
-from r3gw.model.settings import TrainSettings
 from r3gw.pipeline.doctor.cost import Cost, predicted_cost, spoken_time
 from r3gw.pipeline.doctor.findings import Findings
+from r3gw.training.settings import TrainSettings
 
 
 class SceneSize(Strict):
