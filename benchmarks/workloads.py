@@ -30,7 +30,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Slab:
-    """A seeded slab of Gaussians in front of an identity camera (rasterizer.md)."""
+    """A seeded slab of Gaussians in front of an identity camera (docs/rasterizer.md)."""
 
     name: str
     gaussians: int

@@ -29,11 +29,11 @@ class Attribute:
     """One attribute of a Gaussian.
 
     Attributes:
-        name: Of its rows.
-        shape: Of one row; ``()`` is one number.
+        name: Name of the parameter that holds its rows.
+        shape: Shape of one Gaussian's row; ``()`` is one number.
         first: First rows of Gaussians at given positions; None where the caller knows them.
         rate: Learning rate, a name of `r3gw.training.settings.RateSettings.named`.
-        activate: From rows to what is drawn.
+        activate: Turns rows into the values that are drawn.
         columns: PLY columns; none where a file holds something else in its place.
     """
 

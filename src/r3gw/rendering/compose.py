@@ -1,4 +1,4 @@
-"""One rendering pass over both sets of Gaussians (method 6).
+"""One rendering pass over both sets of Gaussians (Sec. 4.1 to 4.3).
 
 Feature channels, in this order: display colour (3), camera depth (1), foreground normal (3),
 foreground-only and sky-only channel sum (1 each). The last two carry no colour gradient; where a

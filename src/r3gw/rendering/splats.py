@@ -27,10 +27,10 @@ class Splats:
         means: World positions.
         quaternions: Gaussian to world, wxyz, of any length.
         scales: Standard deviations, world units.
-        opacities: In [0, 1].
+        opacities: Opacities in [0, 1].
         features: Channels of `r3gw.rendering.compose`.
-        depths: Camera z.
-        smallest_scales: Of the foreground, world units.
+        depths: Camera z of the centres.
+        smallest_scales: Smallest scale of each foreground Gaussian, world units.
     """
 
     means: Float[Tensor, "n 3"]

@@ -33,8 +33,8 @@ def train(
 
     Args:
         model: The initial model; changed in place, unless a checkpoint takes its place.
-        photos: In the order of ``model.photos``.
-        settings: Of the run.
+        photos: The training photos, in the order of ``model.photos``.
+        settings: The settings of the run.
         checkpoints: Where to continue from and save to; None does neither.
 
     Raises:

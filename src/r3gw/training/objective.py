@@ -29,7 +29,7 @@ def objective(
 
     Args:
         model: The scene.
-        settings: Of the run.
+        settings: The settings of the run.
         photo: The target.
         index: The photo's row in the appearance embedding.
         iteration: Counts from 1.

@@ -35,7 +35,7 @@ def initial_model(
         settings: The settings of the run.
         sessions: The photos' sessions; by default each photo is a session of its own.
         seen: What each photo shows of its sky, if any.
-        light_model: Instead of the one that the settings ask for.
+        light_model: The light model to use; None takes the one that the settings ask for.
     """
     sessions = photos if sessions is None else sessions
     generator = torch.Generator().manual_seed(settings.seed)

@@ -18,7 +18,7 @@ class TrainingState:
 
     Attributes:
         model: The scene so far.
-        settings: Of the run.
+        settings: The settings of the run.
         optimizer: Adam over the model's parameters.
         statistics: Gradient norms since the last densification.
         order: Photos left in this epoch.

@@ -35,7 +35,7 @@ def match_photos(
     """Match photos whose features are in ``database``; returns how, for the report.
 
     Args:
-        photos: In their order.
+        photos: The photos, in the order in which they were taken if that is known.
         database: COLMAP's, with features.
         matching: How pairs are chosen; None: all of them up to sixty photos, beyond that by
             likeness, by order and by place.

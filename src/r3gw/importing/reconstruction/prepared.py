@@ -5,17 +5,19 @@ hold equal stems; `PreparedPhoto.path` says which photo it is.
 """
 
 import re
+import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pycolmap
 from numpy.typing import NDArray
 from tqdm import tqdm
 
 from r3gw.files import InputError
-from r3gw.imaging.files import read_rgb, write_image
+from r3gw.imaging.decode import Picture, read_picture
+from r3gw.imaging.files import rgb_of, write_image
+from r3gw.importing.exif import read_exif
 from r3gw.importing.folders import Masks, masks_of
 from r3gw.importing.orientation import upright_mask
 from r3gw.importing.reconstruction.panorama import is_panorama
@@ -55,24 +57,30 @@ def prepared_photos(
         InputError: If a photo or mask is unreadable, a mask is of another size, or a photo shows
             all directions.
     """
-    has_masks = any(list(files) for files in masks.values())
+    keep_folder, is_masked = folder / "keep", False
     prepared = []
     ordered = sorted(photos, key=_natural)
     for number, path in enumerate(tqdm(ordered, desc="reading photos", unit="photo", leave=False)):
-        pixels = read_rgb(photos[path])
+        picture = read_picture(photos[path])
+        upright = picture.upright()
+        pixels = rgb_of(upright, photos[path])
         if is_panorama(photos[path], pixels):
             raise InputError(
                 f"{photos[path]}: is a 360-degree picture or a panorama, which no pinhole camera "
                 "takes; split it into cube faces, or take it out of the folder"
             )
         file = folder / "photos" / f"{number:06d}.png"
-        write_image(file, pixels)
-        upright = _upright_masks(masks_of(masks, path), photos[path], folder / "masks", file.name)
-        if has_masks:
-            # pycolmap leaves out photos without a mask, so every photo gets one.
-            write_image(folder / "keep" / f"{file.name}.png", _usable(pixels, upright))
-        kept = {kind: SourceMask(mask) for kind, (mask, _) in upright.items()}
-        prepared.append(PreparedPhoto(path, file, *_exif(photos[path]), kept))
+        baked = _upright_masks(masks_of(masks, path), picture, folder / "masks", file.name)
+        keep = _usable(upright, baked)
+        write_image(file, _with_alpha(pixels, upright.is_opaque))
+        # pycolmap leaves out photos without a mask, so every photo gets one.
+        write_image(keep_folder / f"{file.name}.png", keep)
+        is_masked = is_masked or not keep.all()
+        exif = read_exif(photos[path], picture)
+        kept = {kind: mask for kind, (mask, _) in baked.items()}
+        prepared.append(PreparedPhoto(path, file, exif.focal_px, exif.place, kept))
+    if not is_masked:
+        shutil.rmtree(keep_folder, ignore_errors=True)
     return tuple(prepared)
 
 
@@ -82,42 +90,38 @@ def _natural(path: str) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
 
 
+Baked = dict[MaskKind, tuple[SourceMask, NDArray[np.bool_]]]
+
+
 def _upright_masks(
-    masks: Mapping[MaskKind, SourceMask], photo: Path, folder: Path, name: str
-) -> dict[MaskKind, tuple[Path, NDArray[np.bool_]]]:
-    upright: dict[MaskKind, tuple[Path, NDArray[np.bool_]]] = {}
+    masks: Mapping[MaskKind, SourceMask], photo: Picture, folder: Path, name: str
+) -> Baked:
+    upright: Baked = {}
     for kind, mask in masks.items():
-        values = upright_mask(mask.path, photo)
-        values = values if mask.white_means else ~values
+        read = upright_mask(mask.path, photo)
+        values = read.is_white if mask.white_means else ~read.is_white
         write_image(folder / kind / name, values)
-        upright[kind] = folder / kind / name, values
+        upright[kind] = SourceMask(folder / kind / name, levels=read.described()), values
     return upright
 
 
-def _usable(
-    pixels: NDArray[np.uint8], masks: Mapping[MaskKind, tuple[Path, NDArray[np.bool_]]]
-) -> NDArray[np.bool_]:
+def _usable(upright: Picture, masks: Baked) -> NDArray[np.bool_]:
     """Where features may be taken from."""
-    keep: NDArray[np.bool_] = np.ones(pixels.shape[:2], dtype=np.bool_)
+    keep: NDArray[np.bool_] = np.ones(upright.pixels.shape[:2], dtype=np.bool_)
+    if (is_opaque := upright.is_opaque) is not None:
+        keep &= is_opaque
     for kind, (_, mask) in masks.items():
         keep &= ~mask if kind == "is_sky" else mask
     return keep
 
 
-def _exif(photo: Path) -> tuple[float | None, tuple[float, float, float] | None]:
-    """Focal length in px and place, as far as EXIF tells them."""
-    try:
-        camera = pycolmap.infer_camera_from_image(photo)
-        bitmap = pycolmap.Bitmap.read(photo, as_rgb=False)
-    except (ValueError, RuntimeError):  # a format that pycolmap does not read
-        return None, None
-    focal = float(camera.mean_focal_length()) if camera.has_prior_focal_length else None
-    if bitmap is None:
-        return focal, None
-    latitude, longitude = bitmap.exif_latitude(), bitmap.exif_longitude()
-    if latitude is None or longitude is None or (latitude == longitude == 0):
-        return focal, None
-    return focal, (float(latitude), float(longitude), float(bitmap.exif_altitude() or 0.0))
+def _with_alpha(
+    pixels: NDArray[np.uint8], is_opaque: NDArray[np.bool_] | None
+) -> NDArray[np.uint8]:
+    """RGB, or RGBA where parts of the photo are transparent."""
+    if is_opaque is None:
+        return pixels
+    return np.concatenate([pixels, is_opaque[..., None] * np.uint8(255)], axis=2)
 
 
 def focal_lengths(photos: Sequence[PreparedPhoto]) -> dict[str, float]:

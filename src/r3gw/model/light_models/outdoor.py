@@ -7,8 +7,9 @@ from jaxtyping import Float
 from pydantic import Field
 from torch import Tensor, nn
 
+from r3gw.geometry.cameras import UP
 from r3gw.lighting import sh
-from r3gw.lighting.outdoor import SKY_DEGREE, UP, outdoor_light
+from r3gw.lighting.outdoor import SKY_DEGREE, outdoor_light
 from r3gw.model.light_models.base import (
     Environment,
     LightDegree,

@@ -46,7 +46,7 @@ class LightTraining:
         Args:
             lit: The photo's light, without noise.
             photo: The photo.
-            settings: Of the run; the losses come weighted.
+            settings: The settings of the run; the losses come weighted by them.
             generator: Draws what is random.
         """
         yield from ()

@@ -22,8 +22,8 @@ def first_light(settings: TrainSettings, seen: Seen) -> LightModel:
     """The light model that the settings ask for, before training.
 
     Args:
-        settings: Of the run.
-        seen: Per embedding, the skies that its photos show.
+        settings: The settings of the run.
+        seen: For each embedding, the skies that its photos show.
     """
     if settings.outdoor.enabled:
         return first_outdoor(settings, seen)
