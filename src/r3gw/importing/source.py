@@ -21,10 +21,17 @@ MaskKind = Literal["is_valid", "is_sky", "eval"]
 
 @dataclass(frozen=True)
 class SourceMask:
-    """A mask file; ``white_means`` is the value that white stands for."""
+    """A mask file.
+
+    Attributes:
+        path: The picture.
+        white_means: The value that white stands for.
+        levels: What the values of the user's own file were, if ``path`` was made from it.
+    """
 
     path: Path
     white_means: bool = True
+    levels: str | None = None
 
 
 @dataclass(frozen=True)

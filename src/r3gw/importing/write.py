@@ -11,11 +11,12 @@ import torch
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from r3gw.files import InputError, atomic_path
+from r3gw.files import InputError, atomic_path, write_bytes
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.similarity import Similarity
+from r3gw.imaging.decode import read_opaque
 from r3gw.imaging.files import read_labels, read_linear, write_exr, write_image
-from r3gw.imaging.masks import read_mask, resize_mask
+from r3gw.imaging.masks import read_mask_levels, resize_mask
 from r3gw.importing.lens import undistorted, undistorted_mask
 from r3gw.importing.source import SourceMask, SourceScene, SourceView
 from r3gw.importing.stored import stored_photo, stored_size
@@ -100,6 +101,7 @@ def _write_view(
     cam_from_world: Any = similarity.camera(full.cam_from_world).tolist()
     image = f"images/{name}.png"
     write_image(target / image, _scaled(_photo(source), camera, cv2.INTER_AREA))
+    _write_opaque(source, camera, target / "given" / "is_opaque" / f"{name}.png")
     for kind, mask in source.masks.items():
         _write_mask(mask, source, camera, target / "given" / kind / f"{name}.png")
     if source.labels is not None:
@@ -134,12 +136,26 @@ def _photo(source: SourceView) -> NDArray[np.uint8]:
 
 
 def _write_mask(mask: SourceMask, source: SourceView, camera: Camera, path: Path) -> None:
-    values = read_mask(mask.path, *stored_size(source))
-    if not mask.white_means:
-        values = ~values
+    read = read_mask_levels(mask.path, *stored_size(source))
+    values = read.is_white if mask.white_means else ~read.is_white
+    _write_fitted(values, source, camera, path)
+    if values.all() or not values.any():
+        # The mask stage sees black and white alone, but may have to say what is wrong with it.
+        write_bytes(path.with_suffix(".txt"), (mask.levels or read.described()).encode())
+
+
+def _write_opaque(source: SourceView, camera: Camera, path: Path) -> None:
+    """Keep where the photo is opaque, if it is not everywhere."""
+    is_opaque = read_opaque(source.photo)
+    if is_opaque is not None:
+        _write_fitted(is_opaque, source, camera, path)
+
+
+def _write_fitted(mask: NDArray[np.bool_], source: SourceView, camera: Camera, path: Path) -> None:
+    """Write a mask of the stored photo as one of the imported photo."""
     if source.lens is not None:
-        values = undistorted_mask(values, source.lens)
-    write_image(path, resize_mask(values, camera.width, camera.height))
+        mask = undistorted_mask(mask, source.lens)
+    write_image(path, resize_mask(mask, camera.width, camera.height))
 
 
 def _write_labels(file: Path, source: SourceView, camera: Camera, path: Path) -> None:

@@ -9,12 +9,14 @@ import cv2
 import numpy as np
 import pycolmap
 import pytest
+from PIL import Image
 from scipy.spatial.transform import Rotation
 from support.exif import with_orientation
 from support.made_up_place import SIZE, place_photo
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_grey, read_rgb
+from r3gw.imaging.masks import read_mask
 from r3gw.importing.reconstruction.prepared import PreparedPhoto
 from r3gw.importing.reconstruction.registration import Mapped, lost_photos
 from r3gw.importing.settings import PhotosScene
@@ -34,6 +36,22 @@ SACRE_COEUR = Path(
 )
 
 
+# Some photos are no JPEG; that in WebP is transparent in its left columns.
+OTHER_SUFFIXES = {3: ".TIFF", 4: ".webp"}
+TRANSPARENT_COLUMNS = 12
+
+
+def write_other(path, bgr):
+    image = Image.fromarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB))
+    if path.suffix == ".webp":
+        alpha = np.full(bgr.shape[:2], 255, np.uint8)
+        alpha[:, :TRANSPARENT_COLUMNS] = 0
+        image.putalpha(Image.fromarray(alpha))
+        image.save(path, lossless=True)
+    else:
+        image.save(path)
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     """Seven photos of the place, one stored turned, and one of nothing."""
@@ -50,6 +68,8 @@ def made(tmp_path_factory):
         image = place_photo(turn.as_matrix().T, centre)
         if number == 2:
             with_orientation(photos / "photo_2.jpg", np.rot90(image), 6)
+        elif number in OTHER_SUFFIXES:
+            write_other(photos / f"photo_{number}{OTHER_SUFFIXES[number]}", image)
         else:
             cv2.imwrite(str(photos / f"photo_{number}.{'JPG' if number else 'png'}"), image)
     for name, folder_name in MASKS.items():
@@ -185,3 +205,15 @@ def test_real_tourist_photos_register_upright(tmp_path):
         assert down[1] > 0
     centres = [view.camera.centre.numpy() for view in scene.views]
     assert all(np.linalg.norm(a - b) > 0.1 for a, b in pairwise(centres))
+
+
+def test_transparent_columns_are_kept_as_not_opaque(made):
+    folder, scene, _ = made
+    found = list((folder / "scene" / "given" / "is_opaque").iterdir())
+    assert [path.name for path in found] == ["photo_4.png"]
+    view = next(view for view in scene.views if view.name == "photo_4")
+    columns = read_mask(found[0], view.width, view.height).mean(axis=0)
+    edge = TRANSPARENT_COLUMNS * view.width / SIZE[0]
+    # Undistorting moves the edge by a few pixels at most.
+    assert columns[: int(edge) - 4].max() < 0.5
+    assert columns[int(edge) + 5 :].min() > 0.5

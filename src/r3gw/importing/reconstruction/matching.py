@@ -109,7 +109,7 @@ def _near_in_space(photos: Sequence[PreparedPhoto]) -> list[Pair]:
 
 
 def _metres(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Local metres ``[N, 2]`` east and north of latitudes and longitudes ``[N, 3]`` in degrees."""
+    """Local metres ``[N, 2]`` east and north of latitudes and longitudes ``[N, 2]`` in degrees."""
     latitude, longitude = np.radians(places[:, 0]), np.radians(places[:, 1])
     turn = np.angle(np.exp(1j * (longitude - longitude[0])))  # across the date line
     east = turn * np.cos(latitude.mean())

@@ -5,19 +5,20 @@ hold equal stems; `PreparedPhoto.path` says which photo it is.
 """
 
 import re
+import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pycolmap
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from r3gw.files import InputError
-from r3gw.imaging.files import read_rgb, write_image
+from r3gw.imaging.decode import read_picture
+from r3gw.imaging.files import rgb_of, write_image
 from r3gw.importing.folders import Masks, masks_of
-from r3gw.importing.orientation import upright_mask
+from r3gw.importing.reconstruction.exif import focal_length_px, place_deg
+from r3gw.importing.reconstruction.orientation import upright_mask
 from r3gw.importing.reconstruction.panorama import is_panorama
 from r3gw.importing.source import MaskKind, SourceMask
 
@@ -30,14 +31,14 @@ class PreparedPhoto:
         path: The photo's path below the folder of photos.
         file: The upright picture, without EXIF.
         focal_px: The focal length that EXIF tells, in px.
-        place: Latitude and longitude in degrees and altitude in metres that EXIF tells.
+        place: Latitude and longitude in degrees that EXIF tells.
         masks: Upright masks, white = True.
     """
 
     path: str
     file: Path
     focal_px: float | None
-    place: tuple[float, float, float] | None
+    place: tuple[float, float] | None
     masks: Mapping[MaskKind, SourceMask]
 
 
@@ -55,24 +56,37 @@ def prepared_photos(
         InputError: If a photo or mask is unreadable, a mask is of another size, or a photo shows
             all directions.
     """
-    has_masks = any(list(files) for files in masks.values())
-    prepared = []
+    prepared, is_masked = [], False
     ordered = sorted(photos, key=_natural)
     for number, path in enumerate(tqdm(ordered, desc="reading photos", unit="photo", leave=False)):
-        pixels = read_rgb(photos[path])
+        stored = read_picture(photos[path])
+        upright = stored.upright()
+        pixels, keep = rgb_of(upright, photos[path]), upright.is_opaque
         if is_panorama(photos[path], pixels):
             raise InputError(
                 f"{photos[path]}: is a 360-degree picture or a panorama, which no pinhole camera "
                 "takes; split it into cube faces, or take it out of the folder"
             )
+        if keep is None:
+            keep = np.ones(pixels.shape[:2], np.bool_)
+        else:
+            pixels = np.concatenate([pixels, keep[..., None] * np.uint8(255)], axis=2)
         file = folder / "photos" / f"{number:06d}.png"
         write_image(file, pixels)
-        upright = _upright_masks(masks_of(masks, path), photos[path], folder / "masks", file.name)
-        if has_masks:
-            # pycolmap leaves out photos without a mask, so every photo gets one.
-            write_image(folder / "keep" / f"{file.name}.png", _usable(pixels, upright))
-        kept = {kind: SourceMask(mask) for kind, (mask, _) in upright.items()}
-        prepared.append(PreparedPhoto(path, file, *_exif(photos[path]), kept))
+        kept = {}
+        for kind, mask in masks_of(masks, path).items():
+            read = upright_mask(mask.path, stored)
+            values = read.is_white if mask.white_means else ~read.is_white
+            write_image(folder / "masks" / kind / file.name, values)
+            kept[kind] = SourceMask(folder / "masks" / kind / file.name, levels=read.described())
+            keep = keep & (~values if kind == "is_sky" else values)
+        # pycolmap leaves out photos without a mask, so every photo gets one.
+        write_image(folder / "keep" / f"{file.name}.png", keep)
+        is_masked = is_masked or not keep.all()
+        focal, place = focal_length_px(stored), place_deg(stored)
+        prepared.append(PreparedPhoto(path, file, focal, place, kept))
+    if not is_masked:
+        shutil.rmtree(folder / "keep")
     return tuple(prepared)
 
 
@@ -80,44 +94,6 @@ def _natural(path: str) -> list[tuple[int, str]]:
     """Order in which people count: ``frame_2`` before ``frame_10``."""
     parts = re.split(r"(\d+)", path.lower())
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
-
-
-def _upright_masks(
-    masks: Mapping[MaskKind, SourceMask], photo: Path, folder: Path, name: str
-) -> dict[MaskKind, tuple[Path, NDArray[np.bool_]]]:
-    upright: dict[MaskKind, tuple[Path, NDArray[np.bool_]]] = {}
-    for kind, mask in masks.items():
-        values = upright_mask(mask.path, photo)
-        values = values if mask.white_means else ~values
-        write_image(folder / kind / name, values)
-        upright[kind] = folder / kind / name, values
-    return upright
-
-
-def _usable(
-    pixels: NDArray[np.uint8], masks: Mapping[MaskKind, tuple[Path, NDArray[np.bool_]]]
-) -> NDArray[np.bool_]:
-    """Where features may be taken from."""
-    keep: NDArray[np.bool_] = np.ones(pixels.shape[:2], dtype=np.bool_)
-    for kind, (_, mask) in masks.items():
-        keep &= ~mask if kind == "is_sky" else mask
-    return keep
-
-
-def _exif(photo: Path) -> tuple[float | None, tuple[float, float, float] | None]:
-    """Focal length in px and place, as far as EXIF tells them."""
-    try:
-        camera = pycolmap.infer_camera_from_image(photo)
-        bitmap = pycolmap.Bitmap.read(photo, as_rgb=False)
-    except (ValueError, RuntimeError):  # a format that pycolmap does not read
-        return None, None
-    focal = float(camera.mean_focal_length()) if camera.has_prior_focal_length else None
-    if bitmap is None:
-        return focal, None
-    latitude, longitude = bitmap.exif_latitude(), bitmap.exif_longitude()
-    if latitude is None or longitude is None or (latitude == longitude == 0):
-        return focal, None
-    return focal, (float(latitude), float(longitude), float(bitmap.exif_altitude() or 0.0))
 
 
 def focal_lengths(photos: Sequence[PreparedPhoto]) -> dict[str, float]:
