@@ -32,7 +32,7 @@ def imported(settings, source, target):
 
 @pytest.fixture(scope="module")
 def expected(source):
-    """The scene as layout A gives it."""
+    """The scene as the NeRF-OSR layout gives it."""
     settings = NerfOsrScene(format="nerf-osr", path=".")
     return imported(settings, source, source.parent / "expected")
 
@@ -62,7 +62,7 @@ def assert_same_points(found, expected, atol):
     assert np.array_equal(points.rgb, reference.rgb)
 
 
-def test_layout_a_with_its_quirks(source, expected, tmp_path):
+def test_nerf_osr_with_its_quirks(source, expected, tmp_path):
     dropped = formats.as_published(source, tmp_path / "published")
     settings = NerfOsrScene(format="nerf-osr", path=".")
     found = imported(settings, tmp_path / "published", tmp_path / "scene")

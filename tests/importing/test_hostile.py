@@ -17,7 +17,7 @@ STEM = nerf_osr_layout.STEMS[0]
 
 @pytest.fixture
 def source(tmp_path):
-    """A tiny scene in layout A, all photos .jpg."""
+    """A tiny scene in the NeRF-OSR layout, all photos .jpg."""
     place = nerf_osr_layout.build(tmp_path / "place")
     images = place.undistorted / "images"
     for path in list(images.iterdir()):

@@ -1,4 +1,4 @@
-"""The mask stage on a scene in layout A: chains of sources, checks, what it writes."""
+"""The mask stage on a scene in the NeRF-OSR layout: chains of sources, checks, what it writes."""
 
 import json
 

@@ -17,8 +17,8 @@ def missing_files(settings: SceneSettings, source: Path, given: Collection[str] 
     Args:
         settings: What the scene's entry in the configuration says about its source.
         source: Folder (or video) of the scene.
-        given: Kinds of masks that every photo of layout A must come with; the mask stage makes the
-            others if they are missing.
+        given: Kinds of masks that every photo of the NeRF-OSR layout must come with; the mask
+            stage makes the others if they are missing.
 
     Raises:
         InputError: If a list that names the files is itself unreadable.

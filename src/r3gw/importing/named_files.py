@@ -2,15 +2,18 @@
 
 import os
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from r3gw.files import InputError
-from r3gw.imaging.files import LDR_SUFFIXES
+from r3gw.imaging.formats import DEVELOP, is_picture, is_raw
 from r3gw.scene.names import key_of, normalised
 
 # Thumbnails of NAS systems and file managers, trash and resource forks of archives.
 _NOT_PHOTOS = {"@eadir", "#recycle", "$recycle.bin", "__macosx", "thumbnails", "lost+found"}
+
+UNDEVELOPED = "RAW, not developed"
 
 
 def pictures_below(folder: Path, without: Iterable[str] = ()) -> dict[str, Path]:
@@ -27,7 +30,7 @@ def pictures_below(folder: Path, without: Iterable[str] = ()) -> dict[str, Path]
     found: dict[str, Path] = {}
     left_out = {name.lower() for name in without}
     for path in _files(folder, left_out):
-        if path.suffix.lower() not in LDR_SUFFIXES or path.name.startswith("."):
+        if not is_picture(path) or path.name.startswith("."):
             continue
         relative = str(path.relative_to(folder))
         try:
@@ -68,8 +71,61 @@ def listed(names: Iterable[str], most: int = 5) -> str:
     return ", ".join(ordered[:most]) + more
 
 
+def other_files(folder: Path, without: Iterable[str] = ()) -> dict[str, str]:
+    """Files below ``folder`` that are not read as pictures, by path, and why not.
+
+    Args:
+        folder: Searched as `pictures_below` searches it.
+        without: Names of subfolders of ``folder`` to leave out.
+    """
+    found = {}
+    developed = {key_of(name) for name in pictures_below(folder, without)}
+    for path in _entries(folder, {name.lower() for name in without}):
+        name = str(path.relative_to(folder)).encode(errors="replace").decode()
+        if path.name.startswith(".") or (is_picture(path) and path.is_file()):
+            continue
+        if is_raw(path):
+            is_double = key_of(name) in developed
+            found[name] = "RAW beside its developed picture" if is_double else UNDEVELOPED
+        elif path.is_symlink() and not path.exists():
+            found[name] = "a link that leads nowhere"
+        else:
+            found[name] = f"no picture ({path.suffix.lower() or 'without suffix'})"
+    return found
+
+
+def refuse_undeveloped(folder: Path, others: Mapping[str, str]) -> None:
+    """Refuse RAW files that nobody has developed; what `other_files` found is looked at.
+
+    Raises:
+        InputError: Naming them and the remedy.
+    """
+    raw = [name for name, reason in others.items() if reason == UNDEVELOPED]
+    if raw:
+        files = "one RAW file is" if len(raw) == 1 else f"{len(raw)} RAW files are"
+        raise InputError(
+            f"{folder}: {files} among the photos ({listed(raw)}); {DEVELOP}, or take it out of the "
+            "folder"
+        )
+
+
+def notes_on(others: Mapping[str, str]) -> tuple[str, ...]:
+    """A sentence about what `other_files` found, if it found anything."""
+    if not others:
+        return ()
+    counts = Counter(others.values())
+    kinds = [f"{count} {reason}" for reason, count in sorted(counts.items())]
+    files = "one file" if len(others) == 1 else f"{len(others)} files"
+    return (f"{files} beside the photos not read: {', '.join(kinds)}; {listed(others)}",)
+
+
 def _files(folder: Path, left_out: set[str]) -> Iterator[Path]:
-    """Files below a folder in order; every folder is entered once, whatever links lead to it."""
+    """Files below a folder in order, as `_entries`."""
+    return (path for path in _entries(folder, left_out) if path.is_file())
+
+
+def _entries(folder: Path, left_out: set[str]) -> Iterator[Path]:
+    """All but folders below a folder; every folder is entered once, whatever links lead to it."""
     entered: set[tuple[int, int]] = set()
     for place, folders, files in os.walk(folder, followlinks=True):
         here = Path(place)
@@ -85,4 +141,4 @@ def _files(folder: Path, left_out: set[str]) -> Iterator[Path]:
             and unicodedata.normalize("NFC", name).lower() not in _NOT_PHOTOS
             and not (here == folder and name.lower() in left_out)
         )
-        yield from (here / name for name in sorted(files) if (here / name).is_file())
+        yield from (here / name for name in sorted(files))

@@ -17,9 +17,9 @@ class Effort:
     """How a reader may work.
 
     Attributes:
-        folder: For temporary files; it lives until the scene is written.
-        num_threads: For features and matching.
-        seed: For all random sampling.
+        folder: A folder for temporary files; it lives until the scene is written.
+        num_threads: Threads for features and matching.
+        seed: Seed of all random sampling.
     """
 
     folder: Path

@@ -16,7 +16,7 @@ def write_report(found: SourceScene, source_format: str, target: Path) -> None:
 
     Args:
         found: What the reader found.
-        source_format: Format of the scene's entry.
+        source_format: The key ``format`` of the scene's entry.
         target: The scene folder.
     """
     for note in found.notes:

@@ -59,8 +59,8 @@ class SourceView:
         session: When the photo was taken, for photos that share a light.
         masks: Masks that came with the data, of the photo's size.
         labels: Picture of class colours or ids that came with the data, of the photo's size.
-        evaluation: As in the scene, but with paths of the source.
-        truth: As in the scene, but with paths of the source.
+        evaluation: How a test view is lit and masked; paths are the source's.
+        truth: Ground truth of the photo, if known; paths are the source's.
         lens: The photo's distorted camera; the writer undistorts photo and masks from it to
             ``camera``. None if ``camera`` describes the photo itself.
     """

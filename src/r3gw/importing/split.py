@@ -1,4 +1,4 @@
-"""The split list of layout A: ``filename;split`` lines that say train or test for each photo."""
+"""The split list of a scene: ``filename;split`` lines that say train or test for each photo."""
 
 import csv
 from dataclasses import dataclass

@@ -36,7 +36,7 @@ def import_scene(
         target: Folder to write: scene.json (last), images/, points.npz, given/, envmaps/,
             ground_truth/ and sfm_report.json. An earlier import is replaced.
         num_threads: Threads for features and matching.
-        seed: For the random sampling inside SfM.
+        seed: Seed of the random sampling inside SfM.
 
     Raises:
         InputError: If anything in ``source`` is missing or wrong; names it and the remedy.

@@ -29,7 +29,7 @@ class MaskFacts:
     Attributes:
         source: Where it came from.
         share: Share of True pixels.
-        polarity: Of a sky mask; None for other kinds.
+        polarity: Whether a sky mask looks upright or inverted; None for other kinds.
         transparent: Share that is False because the photo is transparent there.
         levels: What the values of the user's file were, where that may explain the mask.
     """

@@ -1,4 +1,4 @@
-"""Where one photo's masks come from: the first source of a chain that has one (data.md D)."""
+"""Where one photo's masks come from: the first source of a chain that has one (docs/data.md)."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -17,8 +17,8 @@ from r3gw.files import InputError
 
 # What may stand behind the dot of a photo, mask or map; anything else belongs to the name.
 _SUFFIX = re.compile(
-    r"(?<=[^/])\.(jpe?g|jfif|png|tiff?|webp|heic|heif|avif|bmp|gif|dng|cr2|cr3|nef|arw|raf|orf|rw2"
-    r"|exr|hdr|txt|npy)$",
+    r"(?<=[^/])\.(jpe?g|jpe|jfif|png|tiff?|webp|heic|heif|hif|avif|bmp|gif|dng|cr2|cr3|nef|arw|raf"
+    r"|orf|rw2|exr|hdr|txt|npy)$",
     re.IGNORECASE,
 )
 _UNSAFE = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')

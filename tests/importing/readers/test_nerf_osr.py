@@ -1,4 +1,4 @@
-"""Import of layout A: against pycolmap's own projection and pictures made in the test."""
+"""Import of the NeRF-OSR layout: against pycolmap's projection and pictures made in the test."""
 
 import numpy as np
 import pytest

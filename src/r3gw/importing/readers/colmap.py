@@ -13,7 +13,7 @@ from r3gw.importing.folders import (
     session_of,
     split_beside,
 )
-from r3gw.importing.named_files import listed, pictures_below
+from r3gw.importing.named_files import listed, notes_on, other_files, pictures_below
 from r3gw.importing.reader import Effort, Reader
 from r3gw.importing.readers import colmap_binary, colmap_text
 from r3gw.importing.readers.colmap_model import model_suffix, read_model
@@ -58,6 +58,7 @@ class ColmapReader(Reader[ColmapScene]):
     def read(self, effort: Effort) -> SourceScene:
         """The photos of the largest model."""
         pictures = pictures_below(self.source / "images")
+        others = other_files(self.source / "images")
         folder, notes = _largest(self.source)
         model = read_model(folder)
         paths = photos_named(model.cameras, pictures, folder)
@@ -97,7 +98,8 @@ class ColmapReader(Reader[ColmapScene]):
             points,
             turn=self.settings.given_turn,
             left_out=left_out,
-            notes=(*notes, *triangulated),
+            notes=(*notes, *triangulated, *notes_on(others)),
+            facts={"other_files": others},
         )
 
 

@@ -7,7 +7,13 @@ import pycolmap
 
 from r3gw.files import InputError
 from r3gw.importing.folders import MASK_FOLDERS, masks_beside
-from r3gw.importing.named_files import pictures_below, pictures_by_key
+from r3gw.importing.named_files import (
+    notes_on,
+    other_files,
+    pictures_below,
+    pictures_by_key,
+    refuse_undeveloped,
+)
 from r3gw.importing.reader import Effort, Reader
 from r3gw.importing.reconstruction.copied import from_reconstruction
 from r3gw.importing.reconstruction.incremental import reconstruct
@@ -22,6 +28,8 @@ from r3gw.importing.reconstruction.video import extract_frames
 from r3gw.importing.settings import PhotosScene
 from r3gw.importing.source import SourceScene, SourceView
 
+_BESIDE = tuple(name for name, _ in MASK_FOLDERS.values())
+
 
 class PhotosReader(Reader[PhotosScene]):
     """A folder of photos with ``masks/`` and ``sky_masks/``, if there are any; or a video file."""
@@ -34,7 +42,11 @@ class PhotosReader(Reader[PhotosScene]):
         """How many photos there are."""
         if self.source.is_file():
             return {}
-        return {"photos": str(len(self._photos(self.source)))}
+        photos = self._photos(self.source)
+        others = other_files(self.source, _BESIDE)
+        refuse_undeveloped(self.source, others)
+        notes = notes_on(others)
+        return {"photos": str(len(photos))} | ({"left out": notes[0]} if notes else {})
 
     def read(self, effort: Effort) -> SourceScene:
         """The upright photos that registered, in COLMAP's own frame, all for training."""
@@ -44,6 +56,8 @@ class PhotosReader(Reader[PhotosScene]):
             folder = effort.folder / "frames"
             extract_frames(self.source, folder, self.settings.video_frames)
         photos = self._photos(folder)
+        others = {} if is_video else other_files(folder, _BESIDE)
+        refuse_undeveloped(folder, others)
         prepared = prepared_photos(photos, masks_beside(folder, list(photos)), effort.folder)
         mapped = reconstruct(
             prepared,
@@ -69,7 +83,8 @@ class PhotosReader(Reader[PhotosScene]):
             views,
             model.points,
             left_out=lost_photos(prepared, mapped),
-            facts=registration_facts(prepared, mapped, views),
+            notes=notes_on(others),
+            facts=registration_facts(prepared, mapped, views) | {"other_files": others},
         )
 
     def _photos(self, folder: Path) -> dict[str, Path]:
@@ -78,9 +93,8 @@ class PhotosReader(Reader[PhotosScene]):
         Raises:
             InputError: If there are fewer than three, or two share a stem in one folder.
         """
-        beside = tuple(name for name, _ in MASK_FOLDERS.values())
-        photos = pictures_below(folder, without=beside)
-        pictures_by_key(folder, without=beside)  # refuses a.jpg beside a.png: one photo twice
+        photos = pictures_below(folder, without=_BESIDE)
+        pictures_by_key(folder, without=_BESIDE)  # refuses a.jpg beside a.png: one photo twice
         if len(photos) < LEAST_PHOTOS:
             count = "one photo is" if len(photos) == 1 else f"{len(photos)} photos are"
             raise InputError(

@@ -1,10 +1,12 @@
-"""What a photo's EXIF tells of its camera: the focal length, and where it was taken."""
+"""What a photo's EXIF tells of its camera: the focal length in px and the place, by COLMAP's rules.
 
-import struct
+COLMAP looks EXIF up in files whose format it reads. HEIC and AVIF are none of them, so for these it
+gets a grey JPEG of the photo's size with the photo's EXIF.
+"""
+
 import tempfile
-from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pycolmap
@@ -12,51 +14,47 @@ from PIL import Image
 
 from r3gw.imaging.decode import Picture
 
-_GPS = 0x8825  # EXIF 2.32, 4.6.6: the tags' numbers within it follow
-_LATITUDE_REF, _LATITUDE, _LONGITUDE_REF, _LONGITUDE = 1, 2, 3, 4
 
+@dataclass(frozen=True)
+class Exif:
+    """What EXIF tells.
 
-def focal_length_px(picture: Picture) -> float | None:
-    """The focal length of a photo, in px, or None if its EXIF tells none.
-
-    COLMAP looks EXIF up in files whose format it reads, which HEIC and AVIF are not: it gets a
-    grey JPEG of the photo's size with the photo's EXIF.
+    Attributes:
+        focal_px: The focal length, in px, or None.
+        place: Latitude and longitude in degrees and altitude in metres, or None.
     """
-    if not picture.exif:
-        return None
-    height, width = picture.pixels.shape[:2]
+
+    focal_px: float | None = None
+    place: tuple[float, float, float] | None = None
+
+
+def read_exif(path: Path, picture: Picture) -> Exif:
+    """EXIF of the photo ``path``, which ``picture`` was decoded from."""
+    found = _by_colmap(path)
+    if found is not None or not picture.exif:
+        return found or Exif()
+    grey = Image.fromarray(np.full(picture.pixels.shape[:2], 128, np.uint8))
     with tempfile.TemporaryDirectory(prefix="r3gw-") as folder:
-        path = Path(folder) / "exif.jpg"
-        grey = Image.fromarray(np.full((height, width), 128, np.uint8))
+        stand_in = Path(folder) / "exif.jpg"
         try:
-            grey.save(path, exif=picture.exif)
+            grey.save(stand_in, exif=picture.exif)
         except ValueError:  # EXIF that is too long for a JPEG
-            return None
-        camera = pycolmap.infer_camera_from_image(path)
-    return float(camera.mean_focal_length()) if camera.has_prior_focal_length else None
+            return Exif()
+        return _by_colmap(stand_in) or Exif()
 
 
-def place_deg(picture: Picture) -> tuple[float, float] | None:
-    """Latitude and longitude at which a photo was taken, in degrees, or None if EXIF tells none.
-
-    Zero in both is what cameras write before their receiver knows anything.
-    """
-    if not picture.exif:
-        return None
-    exif = Image.Exif()
+def _by_colmap(path: Path) -> Exif | None:
+    """None if COLMAP does not read the file."""
     try:
-        exif.load(picture.exif)
-        tags = exif.get_ifd(_GPS)
-        latitude = _degrees(tags[_LATITUDE]) * (-1 if tags.get(_LATITUDE_REF) == "S" else 1)
-        longitude = _degrees(tags[_LONGITUDE]) * (-1 if tags.get(_LONGITUDE_REF) == "W" else 1)
-    except (KeyError, TypeError, ValueError, ZeroDivisionError, SyntaxError, struct.error):
+        camera = pycolmap.infer_camera_from_image(path)
+        bitmap = pycolmap.Bitmap.read(path, as_rgb=False)
+    except (ValueError, RuntimeError):
         return None
-    if not (abs(latitude) <= 90 and abs(longitude) <= 180) or latitude == longitude == 0:
-        return None
-    return latitude, longitude
-
-
-def _degrees(parts: Sequence[Any]) -> float:
-    """Degrees, minutes and seconds as one number."""
-    degrees, minutes, seconds = (float(part) for part in parts)
-    return degrees + minutes / 60 + seconds / 3600
+    focal = float(camera.mean_focal_length()) if camera.has_prior_focal_length else None
+    if bitmap is None:
+        return Exif(focal)
+    latitude, longitude = bitmap.exif_latitude(), bitmap.exif_longitude()
+    if latitude is None or longitude is None or (latitude == longitude == 0):
+        return Exif(focal)
+    altitude = float(bitmap.exif_altitude() or 0.0)
+    return Exif(focal, (float(latitude), float(longitude), altitude))

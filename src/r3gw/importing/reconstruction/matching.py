@@ -35,7 +35,7 @@ def match_photos(
     """Match photos whose features are in ``database``; returns how, for the report.
 
     Args:
-        photos: In their order.
+        photos: The photos, in the order in which they were taken if that is known.
         database: COLMAP's, with features.
         matching: How pairs are chosen; None: all of them up to sixty photos, beyond that by
             likeness, by order and by place.
@@ -109,7 +109,7 @@ def _near_in_space(photos: Sequence[PreparedPhoto]) -> list[Pair]:
 
 
 def _metres(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Local metres ``[N, 2]`` east and north of latitudes and longitudes ``[N, 2]`` in degrees."""
+    """Local metres ``[N, 2]`` east and north of latitudes and longitudes ``[N, 3]`` in degrees."""
     latitude, longitude = np.radians(places[:, 0]), np.radians(places[:, 1])
     turn = np.angle(np.exp(1j * (longitude - longitude[0])))  # across the date line
     east = turn * np.cos(latitude.mean())

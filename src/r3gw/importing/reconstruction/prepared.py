@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from tqdm import tqdm
 
 from r3gw.files import InputError
-from r3gw.imaging.decode import read_picture
+from r3gw.imaging.decode import Picture, read_picture
 from r3gw.imaging.files import rgb_of, write_image
 from r3gw.importing.folders import Masks, masks_of
-from r3gw.importing.reconstruction.exif import focal_length_px, place_deg
+from r3gw.importing.reconstruction.exif import read_exif
 from r3gw.importing.reconstruction.orientation import upright_mask
 from r3gw.importing.reconstruction.panorama import is_panorama
 from r3gw.importing.source import MaskKind, SourceMask
@@ -31,14 +32,14 @@ class PreparedPhoto:
         path: The photo's path below the folder of photos.
         file: The upright picture, without EXIF.
         focal_px: The focal length that EXIF tells, in px.
-        place: Latitude and longitude in degrees that EXIF tells.
+        place: Latitude and longitude in degrees and altitude in metres that EXIF tells.
         masks: Upright masks, white = True.
     """
 
     path: str
     file: Path
     focal_px: float | None
-    place: tuple[float, float] | None
+    place: tuple[float, float, float] | None
     masks: Mapping[MaskKind, SourceMask]
 
 
@@ -56,37 +57,30 @@ def prepared_photos(
         InputError: If a photo or mask is unreadable, a mask is of another size, or a photo shows
             all directions.
     """
-    prepared, is_masked = [], False
+    keep_folder, is_masked = folder / "keep", False
+    prepared = []
     ordered = sorted(photos, key=_natural)
     for number, path in enumerate(tqdm(ordered, desc="reading photos", unit="photo", leave=False)):
-        stored = read_picture(photos[path])
-        upright = stored.upright()
-        pixels, keep = rgb_of(upright, photos[path]), upright.is_opaque
+        picture = read_picture(photos[path])
+        upright = picture.upright()
+        pixels = rgb_of(upright, photos[path])
         if is_panorama(photos[path], pixels):
             raise InputError(
                 f"{photos[path]}: is a 360-degree picture or a panorama, which no pinhole camera "
                 "takes; split it into cube faces, or take it out of the folder"
             )
-        if keep is None:
-            keep = np.ones(pixels.shape[:2], np.bool_)
-        else:
-            pixels = np.concatenate([pixels, keep[..., None] * np.uint8(255)], axis=2)
         file = folder / "photos" / f"{number:06d}.png"
-        write_image(file, pixels)
-        kept = {}
-        for kind, mask in masks_of(masks, path).items():
-            read = upright_mask(mask.path, stored)
-            values = read.is_white if mask.white_means else ~read.is_white
-            write_image(folder / "masks" / kind / file.name, values)
-            kept[kind] = SourceMask(folder / "masks" / kind / file.name, levels=read.described())
-            keep = keep & (~values if kind == "is_sky" else values)
+        baked = _upright_masks(masks_of(masks, path), picture, folder / "masks", file.name)
+        keep = _usable(upright, baked)
+        write_image(file, _with_alpha(pixels, upright.is_opaque))
         # pycolmap leaves out photos without a mask, so every photo gets one.
-        write_image(folder / "keep" / f"{file.name}.png", keep)
+        write_image(keep_folder / f"{file.name}.png", keep)
         is_masked = is_masked or not keep.all()
-        focal, place = focal_length_px(stored), place_deg(stored)
-        prepared.append(PreparedPhoto(path, file, focal, place, kept))
+        exif = read_exif(photos[path], picture)
+        kept = {kind: mask for kind, (mask, _) in baked.items()}
+        prepared.append(PreparedPhoto(path, file, exif.focal_px, exif.place, kept))
     if not is_masked:
-        shutil.rmtree(folder / "keep")
+        shutil.rmtree(keep_folder, ignore_errors=True)
     return tuple(prepared)
 
 
@@ -94,6 +88,40 @@ def _natural(path: str) -> list[tuple[int, str]]:
     """Order in which people count: ``frame_2`` before ``frame_10``."""
     parts = re.split(r"(\d+)", path.lower())
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
+
+
+Baked = dict[MaskKind, tuple[SourceMask, NDArray[np.bool_]]]
+
+
+def _upright_masks(
+    masks: Mapping[MaskKind, SourceMask], photo: Picture, folder: Path, name: str
+) -> Baked:
+    upright: Baked = {}
+    for kind, mask in masks.items():
+        read = upright_mask(mask.path, photo)
+        values = read.is_white if mask.white_means else ~read.is_white
+        write_image(folder / kind / name, values)
+        upright[kind] = SourceMask(folder / kind / name, levels=read.described()), values
+    return upright
+
+
+def _usable(upright: Picture, masks: Baked) -> NDArray[np.bool_]:
+    """Where features may be taken from."""
+    keep: NDArray[np.bool_] = np.ones(upright.pixels.shape[:2], dtype=np.bool_)
+    if (is_opaque := upright.is_opaque) is not None:
+        keep &= is_opaque
+    for kind, (_, mask) in masks.items():
+        keep &= ~mask if kind == "is_sky" else mask
+    return keep
+
+
+def _with_alpha(
+    pixels: NDArray[np.uint8], is_opaque: NDArray[np.bool_] | None
+) -> NDArray[np.uint8]:
+    """RGB, or RGBA where parts of the photo are transparent."""
+    if is_opaque is None:
+        return pixels
+    return np.concatenate([pixels, is_opaque[..., None] * np.uint8(255)], axis=2)
 
 
 def focal_lengths(photos: Sequence[PreparedPhoto]) -> dict[str, float]:
