@@ -81,8 +81,7 @@ def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> Tra
         [photo.seen_sky for photo in photos],
         light_model,
     )
-    model, _ = train(model, photos, settings)
-    return TrainedScene(model, scene, scene_folder, masks_folder)
+    return TrainedScene(train(model, photos, settings).model, scene, scene_folder, masks_folder)
 
 
 @dataclass(frozen=True)
