@@ -23,7 +23,13 @@ FAULT_AT = 12
 
 @pytest.fixture
 def settings():
-    return train_settings(iterations=40, warm_up=0, geometry_losses_from=0)
+    """Without densification, which one view's extent would make meaningless."""
+    return train_settings(
+        iterations=40,
+        warm_up=0,
+        geometry_losses_from=0,
+        density={"first": 0, "interval": 1_000_000, "reset_interval": None},
+    )
 
 
 @pytest.fixture
@@ -131,7 +137,7 @@ def test_a_light_without_bounds_is_one_sentence(photos, settings, initial):
 
 def test_no_foreground_left_ends_the_training(monkeypatch, photos, settings, initial, tmp_path):
     model = initial_model(initial, ("front",), settings)
-    density = settings.density.model_copy(update={"first": 0, "interval": FAULT_AT * 1000})
+    density = settings.density.model_copy(update={"interval": FAULT_AT * 1000})
     settings = settings.model_copy(update={"density": density})
 
     def broken(whole, *args):
@@ -146,11 +152,14 @@ def test_no_foreground_left_ends_the_training(monkeypatch, photos, settings, ini
 
 def test_an_empty_sky_and_a_full_foreground_are_noted(photos, settings, initial, caplog):
     density = settings.density.model_copy(
-        update={"first": 0, "interval": 10_000, "threshold_first": 1e-12, "max_gaussians": 70}
+        update={
+            "interval": 10_000,
+            "threshold_first": 1e-12,
+            "threshold_last": None,
+            "max_gaussians": 70,
+        }
     )
-    settings = settings.model_copy(
-        update={"density": density.model_copy(update={"threshold_last": None})}
-    )
+    settings = settings.model_copy(update={"density": density})
     model = initial_model(initial, ("front",), settings)
     with torch.no_grad():
         model.sky.rows["opacity_logits"].fill_(-20.0)

@@ -38,6 +38,7 @@ def files(tiny, tmp_path) -> RunFiles:
         iterations=ITERATIONS,
         warm_up=0,
         geometry_losses_from=0,
+        density={"first": 0, "interval": 15_000, "reset_interval": None},  # every 6 iterations
         model={"embedding_size": 8, "hidden_size": 8, "light_hidden_size": 8},
     )
     (tmp_path / "settings.json").write_text(settings.model_dump_json())

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from safetensors import SafetensorError, safe_open
+import safetensors
 from safetensors.torch import save
 from torch import Tensor
 
@@ -52,18 +52,18 @@ def read_record(path: Path, what: str) -> dict[str, Any]:
 
 
 @contextmanager
-def _opened(path: Path, what: str) -> Iterator[safe_open]:
+def _opened(path: Path, what: str) -> Iterator[Any]:
     require_size(path, LARGEST_BYTES)
     try:
-        with safe_open(path, framework="pt") as file:
+        with safetensors.safe_open(path, framework="pt") as file:
             yield file
     except InputError:
         raise
-    except (SafetensorError, OSError, ValueError, RecursionError) as error:
+    except (safetensors.SafetensorError, OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: damaged, or no {what} ({_first_line(error)})") from None
 
 
-def _record(file: safe_open, path: Path, what: str) -> dict[str, Any]:
+def _record(file: Any, path: Path, what: str) -> dict[str, Any]:
     text = (file.metadata() or {}).get(KEY)
     if text is None:
         raise InputError(f"{path}: no {what}: it lacks the record '{KEY}'")

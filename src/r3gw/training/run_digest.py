@@ -69,5 +69,5 @@ def _digest(items: Iterable[str | Tensor]) -> str:
             found.update(f"{len(item)} {item}".encode())
         else:
             found.update(f"{item.dtype} {tuple(item.shape)}".encode())
-            found.update(memoryview(item.detach().contiguous().numpy()).cast("B"))
+            found.update(item.detach().contiguous().numpy().data)
     return found.hexdigest()[:HEX_DIGITS]
