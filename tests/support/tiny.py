@@ -31,8 +31,7 @@ SWEEP_RAD, BEST_INDEX, ROTATION_X = (-1.0, 1.5), 17, -1.6
 THRESHOLD, SCALE = 0.95, 20.0
 RUN = {
     "scene": "tiny", "variant": "full", "seed": 0, "iterations": 1, "settings_digest": "d",
-    "code_version": "0", "machine": "m", "num_threads": 1, "training_seconds": 1.0,
-    "peak_rss_mb": 1.0, "num_foreground": 1, "num_sky": 1,
+    "code_version": "0", "machine": "m", "num_threads": 1, "num_foreground": 1, "num_sky": 1,
 }  # fmt: skip
 
 

@@ -30,6 +30,7 @@ rule train:
         ),
         history="results/{scene}/{variant}/seed{seed}/history.csv",
         record="results/{scene}/{variant}/seed{seed}/run.json",
+        timing="results/{scene}/{variant}/seed{seed}/timing.json",
     log:
         "logs/train/{scene}.{variant}.seed{seed}.log",
     benchmark:

@@ -70,6 +70,17 @@ class Run:
         return cost
 
     @cached_property
+    def timing(self) -> Mapping[str, float]:
+        """What the training measured: timing.json, ``training_seconds`` and ``peak_rss_mb``.
+
+        Raises:
+            InputError: If there is no such file.
+        """
+        path = _existing(self.folder.with_name("timing.json"))
+        timing: dict[str, float] = json.loads(path.read_text())
+        return timing
+
+    @cached_property
     def lights(self) -> Mapping[str, Light]:
         """Per training photo the light and sky that were learned for it.
 
