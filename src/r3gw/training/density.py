@@ -6,6 +6,7 @@ iteration (Grubert et al., 2025).
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Bool, Float
@@ -21,6 +22,13 @@ from r3gw.model.rows import Rows
 from r3gw.training.settings import DensitySettings
 
 SPLIT_SHRINK = 1.6
+
+
+class Grown(NamedTuple):
+    """Which sets would have grown more if they might."""
+
+    foreground_capped: bool
+    sky_capped: bool
 
 
 class GradientStatistics:
@@ -70,7 +78,7 @@ def densify(
     extent: float,
     prune_huge: bool,
     generator: torch.Generator,
-) -> None:
+) -> Grown:
     """Clone or split every Gaussian above ``threshold``, then prune, in both sets.
 
     Args:
@@ -87,21 +95,24 @@ def densify(
     split_at = len(model.foreground)
     budget = settings.max_gaussians - model.num_gaussians
     sky_extent = max(extent, float(model.sky.radius.detach()))
+    capped = []
     for rows, grads, size in (
         (model.foreground, gradients[:split_at], extent),
         (model.sky.rows, gradients[split_at:], sky_extent),
     ):
-        if len(rows) == 0:
-            continue
         room = budget
         if rows is model.sky.rows:
             room = min(room, int(settings.sky_share * settings.max_gaussians) - len(rows))
         chosen = _strongest(grads, threshold, room)
+        capped.append(int(chosen.sum()) < int((grads > threshold).sum()))
+        if len(rows) == 0:
+            continue
         budget -= int(chosen.sum())
         is_large = too_large(rows["log_scales"], settings.large_scale * size)
         huge = settings.huge_scale * size if prune_huge else float("inf")
         _grow(model, rows, optimizer, chosen & ~is_large, chosen & is_large, generator)
         _prune(rows, optimizer, settings.min_opacity, huge)
+    return Grown(*capped)
 
 
 def reset_opacity(model: SceneModel, optimizer: Optimizer, highest: float) -> None:

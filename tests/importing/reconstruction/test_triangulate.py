@@ -11,6 +11,8 @@ from r3gw.importing.settings import NerfOsrOriginalScene
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
+pytestmark = pytest.mark.slow
+
 
 def write(folder, split, number, image, pose):
     for kind in ("rgb", "pose", "intrinsics"):
