@@ -42,12 +42,14 @@ function digest() {
 }
 
 const vendor = await bundled("vendor.ts", { minify: true });
+const reader = await bundled("reader.ts", { minify: true });
 const external = [...libraries, "three/addons/*"];
 const page = await bundled("main.ts", { external, minifySyntax: true, minifyWhitespace: true });
 const boot = await bundled("boot.ts", { minifySyntax: true, minifyWhitespace: true });
 const wrapped = `globalThis.r3gwPage=(require)=>{${page}};\n${boot}`;
 writeFileSync(join(target, "libraries.js.deflate"), deflateSync(vendor, { level: 9 }));
+writeFileSync(join(target, "reader.js.deflate"), deflateSync(reader, { level: 9 }));
 writeFileSync(join(target, "page.js"), wrapped);
 writeFileSync(join(target, "LICENCES.txt"), [...libraries, "fflate"].map(licence).join("\n\n"));
 writeFileSync(join(target, "digest.txt"), digest() + "\n");
-console.log(`libraries ${vendor.length} bytes, page ${wrapped.length} bytes`);
+console.log(`libraries ${vendor.length} bytes, reader ${reader.length} bytes, page ${wrapped.length} bytes`);

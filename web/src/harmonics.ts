@@ -33,6 +33,21 @@ export interface LightMap {
   pixels: Float32Array;
 }
 
+/** Every four pixels as their mean. */
+export function halved(map: LightMap): LightMap {
+  const width = map.width / 2, height = map.height / 2;
+  const pixels = new Float32Array(3 * width * height);
+  for (let row = 0; row < height; row++) {
+    for (let at = 0; at < 3 * width; at++) {
+      const above = 2 * row * map.width * 3 + 6 * Math.floor(at / 3) + (at % 3);
+      const below = above + 3 * map.width;
+      const p = map.pixels;
+      pixels[3 * row * width + at] = (p[above] + p[above + 3] + p[below] + p[below + 3]) / 4;
+    }
+  }
+  return { width, height, pixels };
+}
+
 /** SH light of a map, up to a degree: r3gw.lighting.envmap.project, pixel by pixel. */
 export function projected(map: LightMap, degree: number, constants: Constants): Float64Array {
   const { width, height, pixels } = map;

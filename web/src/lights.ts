@@ -3,14 +3,14 @@
 import type * as THREE from "three";
 
 import { clearDay } from "./daylight";
-import { COUNT, flat, mixed, projected, turned, type LightMap } from "./harmonics";
-import { halved, textureOf } from "./maps";
+import { COUNT, flat, halved, mixed, projected, turned, type LightMap } from "./harmonics";
+import { textureOf } from "./maps";
 import type { Payload } from "./payload";
 import { SHOWN, TONES, type State } from "./state";
 import { setVectors, type Uniforms } from "./uniforms";
 
 const WHITE_SKY = 0, LEARNED_SKY = 1, MAP_SKY = 2, NO_SKY = 3;
-const WIDEST_PROJECTED = 256;
+const WIDEST_PROJECTED = 128;
 const DARKEST_MEAN = 1e-6;
 
 interface Own {

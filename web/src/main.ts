@@ -1,11 +1,12 @@
+// Start of the page: data in, controller and controls connected.
+
 import { jsonBlob } from "./blobs";
-import { lensOf, poseOf, project, type Lens } from "./camera";
+import { App } from "./app";
+import { connect } from "./controls";
 import { Lights } from "./lights";
-import { readMap } from "./maps";
 import type { Payload } from "./payload";
 import { makeSplats } from "./splats";
 import { Stage } from "./stage";
-import type { State } from "./state";
 import { makeUniforms } from "./uniforms";
 
 async function start(): Promise<void> {
@@ -14,26 +15,17 @@ async function start(): Promise<void> {
   const splats = await makeSplats(payload, uniforms);
   const canvas = document.querySelector<HTMLCanvasElement>("#canvas")!;
   const stage = new Stage(canvas, splats, uniforms, payload.constants);
-  const lights = new Lights(payload, uniforms);
-  const first = payload.photos[0];
-  let lens: Lens = lensOf(first);
-  const api = {
-    payload, stage, lights, uniforms,
-    async picture(state: State, photo: string, width: number, height: number): Promise<string> {
-      const found = payload.photos.find((p) => p.name === photo)!;
-      lens = lensOf(found);
-      const pose = poseOf(found);
-      stage.camera.position.copy(pose.position);
-      stage.camera.quaternion.copy(pose.quaternion);
-      stage.renderer.setDrawingBufferSize(width, height, 1);
-      project(stage.camera, lens, width / height, payload.constants.nearPlane, 1e4);
-      lights.apply(state);
-      await stage.settle();
-      return canvas.toDataURL("image/png");
-    },
-    async drop(file: File) { lights.dropped = await readMap(file, payload.constants.gamma); },
-  };
-  (globalThis as Record<string, unknown>).r3gw = api;
-  stage.request();
+  const app = new App(payload, stage, new Lights(payload, uniforms), canvas);
+  connect(app);
+  await stage.settle();
+  document.body.classList.add("ready");
+  performance.mark("r3gw-ready");
+  (globalThis as Record<string, unknown>).r3gw = app;
 }
-void start();
+
+start().catch((error: unknown) => {
+  const reason = error instanceof Error ? error.message : String(error);
+  document.getElementById("message")!.textContent =
+    `The scene cannot be shown: ${reason}. It needs a browser with WebGL 2.`;
+  console.error(error);
+});

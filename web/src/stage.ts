@@ -91,15 +91,20 @@ export class Stage {
     this.lastDrawn = now;
   }
 
-  /** Sort and draw until the picture is complete. */
+  /** Colour, sort and draw until the picture is complete. */
   async settle(): Promise<void> {
+    await this.sorted(); // what is under way is of the picture before
     this.splats.updateVersion();
     this.camera.updateMatrixWorld();
     await this.spark.update({ scene: this.scene, camera: this.camera });
-    while (this.spark.sorting || this.spark.sortDirty) {
-      await new Promise((resolve) => setTimeout(resolve, 5));
-    }
+    await this.sorted();
     this.draw();
+  }
+
+  private async sorted(): Promise<void> {
+    while (this.spark.sorting || this.spark.sortDirty) {
+      await new Promise((resolve) => setTimeout(resolve, 2));
+    }
   }
 }
 

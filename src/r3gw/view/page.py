@@ -15,6 +15,7 @@ from r3gw.view.payload import BUNDLE, PageChoice, Payload, payload_of
 
 TEMPLATES = Path(str(files("r3gw.view"))) / "templates"
 COMPRESSION = 9
+SCRIPTS = ("libraries", "reader")  # deflated by web/build.mjs
 
 
 def write_page(
@@ -45,12 +46,13 @@ def page_html(payload: Payload) -> str:
     )
     blobs = {name: encoded(content) for name, content in payload.blobs.items()}
     blobs["payload"] = encoded(json.dumps(payload.facts, separators=(",", ":")).encode())
-    libraries = (BUNDLE / "libraries.js.deflate").read_bytes()
+    for name in SCRIPTS:
+        blobs[name] = b64encode((BUNDLE / f"{name}.js.deflate").read_bytes()).decode()
     return environment.get_template("page.html").render(
         title=payload.facts["title"],
         style=(TEMPLATES / "page.css").read_text(encoding="utf-8"),
         script=(BUNDLE / "page.js").read_text(encoding="utf-8"),
-        blobs={"libraries": b64encode(libraries).decode(), **blobs},
+        blobs=blobs,
     )
 
 
