@@ -1,6 +1,7 @@
-"""The import order in r3gw.layers holds: every import points to a lower layer."""
+"""The import order in r3gw.layers holds: every import, and every C++ include, points downwards."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -34,3 +35,29 @@ def test_every_package_has_a_layer():
     assert {p.name for p in SOURCE.iterdir() if p.is_dir() and p.name != "__pycache__"} == set(
         LEVEL
     )
+
+
+def sources_of(folder: Path) -> list[Path]:
+    """The C++ files below a folder."""
+    return [path for suffix in ("cpp", "h") for path in folder.rglob(f"*.{suffix}")]
+
+
+def included_packages(path: Path) -> set[str]:
+    """Names of the r3gw packages whose headers a C++ file includes."""
+    return {name.split("/")[0] for name in re.findall(r'#include "([^"]+)"', path.read_text())}
+
+
+@pytest.mark.parametrize("package", LEVEL)
+def test_package_includes_only_headers_from_below(package):
+    for path in sources_of(SOURCE / package):
+        for other in included_packages(path) - {package}:
+            assert LEVEL[other] < LEVEL[package], f"{path}: {package} must not include {other}"
+
+
+def test_headers_are_named_by_their_whole_path():
+    """From src/r3gw on, so that an include says which package it reaches into."""
+    sources = sources_of(SOURCE)
+    assert len(sources) > 30
+    for path in sources:
+        for name in re.findall(r'#include "([^"]+)"', path.read_text()):
+            assert (SOURCE / name).is_file(), f"{path}: no header {name} below src/r3gw"

@@ -7,13 +7,11 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-import torch
-
 from r3gw.evaluation.gallery import THUMBNAIL_PX, light_picture
 from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
 from r3gw.lighting import envmap
-from r3gw.masks import load_masks
+from r3gw.masks.folder import load_masks
 from r3gw.reporting.figures.evaluated import Evaluated, read_run
 from r3gw.reporting.figures.plots import sweep_plot, training_plot
 from r3gw.reporting.figures.points import initial_figure, sfm_figure
@@ -125,7 +123,7 @@ def _lights(run: Evaluated, scene: Scene, folder: Path) -> list[Page]:
     for view in scene.split("train"):
         if view.name not in run.lights:
             continue
-        drawn = envmap.draw(torch.tensor(run.lights[view.name]["light"]), THUMBNAIL_PX)
+        drawn = envmap.draw(run.lights[view.name].sh, THUMBNAIL_PX)
         lights.append(
             {
                 "name": view.name,
