@@ -27,6 +27,7 @@ export interface View {
 export class App {
   state: State;
   view: View | null = null;
+  mapsRead = 0;
   readonly navigation: Navigation;
   private readonly initial: State;
   private readonly photos: Map<string, Photo>;
@@ -34,6 +35,7 @@ export class App {
   private readonly pace: Pace;
   private lens: Lens;
   private scale = 1;
+  private fixedSize: [number, number] | null = null;
   private quiet = 0;
   private day = 0;
 
@@ -68,6 +70,7 @@ export class App {
 
   /** Light the scene with a dropped map. */
   useMap(map: LightMap): void {
+    this.mapsRead++;
     this.lights.dropped = map;
     this.change({ light: "map" });
   }
@@ -117,8 +120,9 @@ export class App {
     const photo = this.photos.get(name)!;
     this.change({ ...this.initial, ...part });
     this.navigation.place(poseOf(photo));
-    this.stage.setSize(width, height);
-    project(this.stage.camera, lensOf(photo), width / height, this.near, FAR);
+    this.lens = lensOf(photo);
+    this.fixedSize = [width, height];
+    this.resize();
     await this.stage.settle();
     return this.canvas.toDataURL("image/png");
   }
@@ -154,11 +158,13 @@ export class App {
   }
 
   private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const { clientWidth, clientHeight } = this.canvas;
+    const [width, height] = this.fixedSize ?? [clientWidth, clientHeight];
     if (!width || !height) return;
     const sharpest = Math.sqrt(MOST_PIXELS / (width * height));
-    const ratio = Math.min(devicePixelRatio, sharpest) * this.scale;
-    this.stage.setSize(Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio)));
+    const ratio = this.fixedSize ? 1 : Math.min(devicePixelRatio, sharpest) * this.scale;
+    const pixels = (length: number) => Math.max(1, Math.round(length * ratio));
+    this.stage.setSize(pixels(width), pixels(height));
     project(this.stage.camera, this.lens, width / height, this.near, FAR);
   }
 

@@ -17,12 +17,16 @@ from r3gw.training.optimizer import adam_step, set_position_rate
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
 from r3gw.training.state import Checkpoints, TrainingState, first_state
+from r3gw.training.watched import Watched
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
 
 
 def train(
-    model: SceneModel, photos: list[Photo], checkpoints: Checkpoints | None = None
+    model: SceneModel,
+    photos: list[Photo],
+    checkpoints: Checkpoints | None = None,
+    watched: Watched | None = None,
 ) -> tuple[SceneModel, History]:
     """Optimise ``model`` on ``photos`` for the iterations that its settings name.
 
@@ -30,6 +34,7 @@ def train(
         model: The initial model; changed in place, unless a checkpoint takes its place.
         photos: In the order of ``model.photos``.
         checkpoints: Where to continue from and save to; None does neither.
+        watched: Where to show the run to those who watch it; None shows nothing.
 
     Raises:
         InputError: If the loss stops being finite or the foreground vanishes.
@@ -46,7 +51,7 @@ def train(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
     ) as bar:
         while state.iteration < iterations:
-            row = _step(state, photos, schedule, extent)
+            row = _step(state, photos, schedule, extent, watched)
             if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
@@ -57,7 +62,11 @@ def train(
 
 
 def _step(
-    state: TrainingState, photos: list[Photo], schedule: Schedule, extent: float
+    state: TrainingState,
+    photos: list[Photo],
+    schedule: Schedule,
+    extent: float,
+    watched: Watched | None,
 ) -> dict[str, float | int] | None:
     """Do one iteration; return its row of the history if it gets one."""
     state.iteration += 1
@@ -79,9 +88,11 @@ def _step(
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
         centres = [photo.camera.centre for photo in photos]
         update_occlusion(model.foreground, centres, model.settings.occlusion)
-    if not state.history.is_due(iteration):
-        return None
-    return state.history.add(iteration, model, photo, rendering, parts)
+    is_due = state.history.is_due(iteration)
+    row = state.history.add(iteration, model, photo, rendering, parts) if is_due else None
+    if watched is not None:
+        watched.show_if_asked(state, photo, rendering)
+    return row
 
 
 def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> None:

@@ -19,6 +19,7 @@ from r3gw.training.loop import train
 from r3gw.training.photos import Photo, load_photos
 from r3gw.training.state import Checkpoints
 from r3gw.training.visible_sky import VisibleSky, first_sky
+from r3gw.training.watched import Watched
 
 
 def run_training(
@@ -55,10 +56,10 @@ def run_training(
     sessions = tuple(view.session or view.name for view in imported.split("train"))
     skies = first_skies(photos, light_rows(sessions, settings), settings)
     start = initial_model(load_initial(initial_path), names, settings, sessions, skies)
-    checkpoints = Checkpoints(target, start)
+    checkpoints, watched = Checkpoints(target, start), Watched(target)
     # What is loaded by now stays: the collector need not walk it during every iteration.
     gc.freeze()
-    model, history = train(start, photos, checkpoints)
+    model, history = train(start, photos, checkpoints, watched)
     save_model(model, target / "model.pt")
     history.write(target / "history.csv")
     record = {
@@ -77,6 +78,7 @@ def run_training(
     }
     write_json(target / "run.json", record)
     checkpoints.discard()
+    watched.discard()
 
 
 def first_skies(

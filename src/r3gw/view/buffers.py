@@ -7,19 +7,17 @@ is the normal, so normals need no room of their own.
 
 from dataclasses import dataclass, replace
 from math import ceil
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from torch import Tensor
 
 from r3gw.imaging.colour import GAMMA
-from r3gw.relight.scene import Relightable
-
-T = TypeVar("T", np.float32, np.uint32, np.uint8)
+from r3gw.relight.gaussians import Relightable
 
 TEXTURE_WIDTH = 2048
 TRANSFER_LAYERS = 7  # of four coefficients each: 25 of SH degree 4, and three spare
@@ -137,7 +135,7 @@ def _transfer(splats: Relightable) -> tuple[NDArray[np.uint8] | None, NDArray[np
     return np.stack(layers), scale
 
 
-def _rows(values: NDArray[T], count: int) -> NDArray[T]:
+def _rows(values: NDArray[Any], count: int) -> NDArray[Any]:
     """Rows of a texture that holds ``count`` texels, zeros behind the given values."""
     height = max(1, ceil(count / TEXTURE_WIDTH))
     texels = np.zeros((height * TEXTURE_WIDTH, 4), values.dtype)

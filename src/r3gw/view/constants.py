@@ -56,8 +56,9 @@ def sh_norms() -> list[float]:
 def yaw_harmonics() -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Turns of SH light about the vertical, as a Fourier series over the angle.
 
-    Coefficients turned by ``a`` are ``sum_k (cos(k a) C_k + sin(k a) S_k) @ coefficients``, k = 0..4:
-    exact, because band l holds frequencies up to l. Sampled from `r3gw.lighting.sh_rotation`.
+    Coefficients turned by ``a`` are ``sum_k (cos(k a) C_k + sin(k a) S_k) @ coefficients`` with k
+    from 0 to 4: exact, because band l holds frequencies up to l. Sampled from
+    `r3gw.lighting.sh_rotation`.
 
     Returns:
         C_0..C_4 and S_0..S_4, each ``[25, 25]``, rounded to 1e-9.

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
 from r3gw.raster import rasterize
-from r3gw.relight.scene import Relightable
+from r3gw.relight.gaussians import Relightable
 
 MOST_POINTS = 1500
 DEPTH_TOLERANCE = 0.05  # a point is seen if it lies at most this share behind the picture's depth
@@ -38,9 +38,10 @@ def coverage(splats: Relightable, cameras: Sequence[Camera]) -> dict[str, Any] |
     chosen = _drawn(splats)
     points = splats.means[chosen]
     seen = torch.stack([_is_seen(splats, camera, points) for camera in cameras])
+    centres = torch.stack([camera.centre for camera in cameras]).to(points)
     return {
         "points": _rounded(points, 4),
-        "normals": _rounded(splats.normals[chosen], 3),
+        "normals": _rounded(_outer(points, splats.normals[chosen], centres, seen), 3),
         "seenBy": [torch.nonzero(column)[:, 0].tolist() for column in seen.T],
     }
 
@@ -52,6 +53,18 @@ def _drawn(splats: Relightable) -> Tensor:
     generator = torch.Generator().manual_seed(SEED)
     drawn = torch.multinomial(weight, min(MOST_POINTS, count), generator=generator)
     return drawn.sort().values
+
+
+def _outer(
+    points: Float[Tensor, "p 3"],
+    normals: Float[Tensor, "p 3"],
+    centres: Float[Tensor, "c 3"],
+    seen: Bool[Tensor, "c p"],
+) -> Float[Tensor, "p 3"]:
+    """Normals turned to the side from which most of the cameras that see a point look at it."""
+    sides = torch.einsum("cpx,px->cp", centres[:, None] - points, normals).sign()
+    is_behind = (sides * seen).sum(0) < 0
+    return torch.where(is_behind[:, None], -normals, normals)
 
 
 def _is_seen(

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -10,23 +11,24 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.files import InputError
+from r3gw.lighting.light import Light
 from r3gw.relight.cameras import focus
-from r3gw.relight.scene import Relightable
+from r3gw.relight.gaussians import Relightable
+from r3gw.relight.lights import learned_strength
 from r3gw.scene import Scene
 from r3gw.view.buffers import buffers_of, most_important
 from r3gw.view.constants import constants, split_sum_table
 from r3gw.view.coverage import coverage
-from r3gw.view.daylight import daylight_tables
-from r3gw.view.daylight import licence as daylight_licence
+from r3gw.view.daylight import BUNDLE, daylight_tables
 from r3gw.view.photos import photo_record
 
-BUNDLE = Path(__file__).parent / "bundle"
+LICENCES = ("LICENCES.txt", "HOSEK_WILKIE.txt")
 DEPTH_QUANTILES = (0.02, 0.98)
 LIGHT_DIGITS = 6
 
 
 @dataclass(frozen=True)
-class PageChoice:
+class PageOptions:
     """What goes into a page.
 
     Attributes:
@@ -42,6 +44,9 @@ class PageChoice:
     facts: tuple[str, ...] = ()
 
 
+DEFAULTS = PageOptions()
+
+
 @dataclass(frozen=True)
 class Payload:
     """JSON for the element ``payload``, and the bytes of the other blobs."""
@@ -51,7 +56,7 @@ class Payload:
 
 
 def payload_of(
-    splats: Relightable, scene: Scene, scene_folder: Path, choice: PageChoice
+    splats: Relightable, scene: Scene, scene_folder: Path, options: PageOptions = DEFAULTS
 ) -> Payload:
     """Collect a page's content.
 
@@ -59,7 +64,7 @@ def payload_of(
         splats: The trained scene.
         scene: Its photos' cameras.
         scene_folder: Where their pictures are.
-        choice: What goes in.
+        options: What goes in.
 
     Raises:
         InputError: If the scene has no photos or the model no Gaussians.
@@ -68,10 +73,10 @@ def payload_of(
         raise InputError(f"{scene_folder}: the scene has no photos, so no camera to start from")
     if len(splats.means) == 0:
         raise InputError(f"{scene_folder}: the model has no Gaussians to show")
-    shown = most_important(splats, choice.most_gaussians)
+    shown = most_important(splats, options.most_gaussians)
     views = [*scene.split("train"), *scene.split("test")]
     cameras = [view.camera for view in scene.split("train")]
-    middle = shown.means[: max(shown.num_foreground, 1)].median(dim=0).values
+    middle = shown.middle if shown.num_foreground else shown.means.mean(dim=0)
     buffers, table = buffers_of(shown), split_sum_table()
     blobs = {
         "place": buffers.place.tobytes(),
@@ -82,7 +87,7 @@ def payload_of(
     if buffers.transfer is not None:
         blobs["transfer"] = buffers.transfer.tobytes()
     facts = {
-        "title": choice.title or scene.name,
+        "title": options.title or scene.name,
         "numForeground": shown.num_foreground,
         "numSky": shown.num_sky,
         "numLeftOut": len(splats.means) - len(shown.means),
@@ -96,28 +101,34 @@ def payload_of(
         "daylight": daylight_tables(),
         **_learned(shown),
         "photos": [
-            photo_record(view, scene_folder, with_picture=i < choice.most_pictures)
+            photo_record(view, scene_folder, with_picture=i < options.most_pictures)
             for i, view in enumerate(views)
         ],
         "focus": focus(cameras or [views[0].camera], middle).tolist(),
         "depthRange": _depth_range(shown, cameras),
         "coverage": coverage(shown, cameras),
-        "facts": list(choice.facts),
-        "licences": (BUNDLE / "LICENCES.txt").read_text() + "\n\n" + daylight_licence(),
+        "facts": list(options.facts),
+        "licences": "\n\n".join((BUNDLE / name).read_text() for name in LICENCES),
     }
     return Payload(json.loads(json.dumps(facts)), blobs)
 
 
 def _learned(splats: Relightable) -> dict[str, Any]:
     """Learned lights and what exposure ``auto`` aims at (r3gw.relight.lights)."""
-    lights = [
-        {"photo": photo, "light": _rows(light), "sky": _rows(sky)}
-        for photo, (light, sky) in splats.lights.items()
-    ]
-    if not lights:
+    if not splats.lights:
         return {"lights": [], "learnedMean": None}
-    means = torch.stack([light[0].mean() for light, _ in splats.lights.values()])
-    return {"lights": lights, "learnedMean": float(means.median())}
+    lights = [
+        {"photo": photo, "light": _rows(light.sh), "sky": _rows(_sky(light))}
+        for photo, light in splats.lights.items()
+    ]
+    return {"lights": lights, "learnedMean": learned_strength(splats)}
+
+
+def _sky(light: Light) -> Float[Tensor, "skycoeff 3"]:
+    """Coefficients of a learned light's sky; a white one has the colour 1 everywhere."""
+    if light.sky_coefficients is None:
+        return torch.cat([torch.full((1, 3), 0.5 * sqrt(4 * pi)), torch.zeros(3, 3)])
+    return light.sky_coefficients
 
 
 def _rows(values: Float[Tensor, "coeff 3"]) -> list[list[float]]:
