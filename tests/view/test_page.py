@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from r3gw.__main__ import cli
 from r3gw.files import InputError
-from r3gw.model.model import save_model
+from r3gw.model.model_file import save_model
 from r3gw.scene import load_scene
 from r3gw.view.daylight import BUNDLE
 from r3gw.view.payload import PageOptions, payload_of
@@ -104,10 +104,10 @@ def test_scripts_cannot_end_their_element():
 def test_a_run_is_found_by_its_folder_or_its_model(tmp_path, model, scene_folder):
     folder = tmp_path / "place" / "full" / "seed0"
     folder.mkdir(parents=True)
-    save_model(model, folder / "model.pt")
+    save_model(model, folder / "model.safetensors")
     (tmp_path / "place" / "scene").symlink_to(scene_folder)
-    by_folder, by_file = find_run(folder, None), find_run(folder / "model.pt", None)
-    assert by_folder.model == by_file.model == folder / "model.pt"
+    by_folder, by_file = find_run(folder, None), find_run(folder / "model.safetensors", None)
+    assert by_folder.model == by_file.model == folder / "model.safetensors"
     assert (by_folder.scene / "scene.json").is_file()
     with pytest.raises(InputError, match="no such file or folder"):
         find_run(tmp_path / "missing", None)
@@ -116,7 +116,7 @@ def test_a_run_is_found_by_its_folder_or_its_model(tmp_path, model, scene_folder
 
 
 def test_the_command_writes_a_page_of_a_model(tmp_path, model, scene_folder):
-    save_model(model, tmp_path / "model.pt")
+    save_model(model, tmp_path / "model.safetensors")
     target = tmp_path / "page.html"
     arguments = ["page", str(tmp_path), "--scene", str(scene_folder), "--target", str(target)]
     outcome = CliRunner().invoke(cli, arguments, catch_exceptions=False)

@@ -46,7 +46,7 @@ def served(run: Run):
 @pytest.fixture
 def run(tmp_path) -> Run:
     """A run without a model yet."""
-    return Run(tmp_path, tmp_path / "model.pt", tmp_path)
+    return Run(tmp_path, tmp_path / "model.safetensors", tmp_path)
 
 
 def test_a_trained_run_shows_its_page_which_is_made_once(run):
@@ -70,9 +70,12 @@ def test_a_run_in_training_is_watched(run):
     assert made == []
 
 
-@pytest.mark.parametrize("path", ["/model.pt", "/../model.pt", "/%2e%2e/model.pt", "/etc/passwd"])
+@pytest.mark.parametrize(
+    "path",
+    ["/model.safetensors", "/../run.json", "/%2e%2e/run.json", "/etc/passwd"],
+)
 def test_nothing_else_is_served(run, path):
-    (run.folder / "model.pt").touch()
+    (run.folder / "model.safetensors").touch()
     with served(run) as (get, _):
         assert get(path)[0] == 404
 

@@ -37,7 +37,7 @@ def page(
 ) -> None:
     """Write a scene as one HTML file that shows and relights it in any browser with WebGL 2.
 
-    RUN is a run's folder, its model.pt, or an exported relightable.ply (with lights.json beside
+    RUN is a run's folder, its model.safetensors, or an exported relightable.ply (with lights.json beside
     it). The file needs no network and no server.
     """
     from r3gw.view.page import write_page
@@ -63,7 +63,7 @@ def view(
 ) -> None:
     """Show a run in the browser, on this computer alone (127.0.0.1).
 
-    RUN is a run's folder, its model.pt, or an exported relightable.ply. A run that is still in
+    RUN is a run's folder, its model.safetensors, or an exported relightable.ply. A run that is still in
     training shows its curves and a frame every few seconds, and its page once it is done.
     """
     from r3gw.view.page import page_of

@@ -1,4 +1,4 @@
-"""Adaptive density: clone, split and prune both sets, and reset opacities (method 8).
+"""Adaptive density: clone, split and prune both sets, and reset opacities.
 
 Statistics follow Kerbl et al. (2023): the mean, over the views that saw a Gaussian, of the norm
 of the screen-space position gradient in NDC units. The threshold rises exponentially with the
@@ -6,6 +6,7 @@ iteration (Grubert et al., 2025).
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Bool, Float
@@ -18,8 +19,16 @@ from r3gw.geometry.spherical import direction_from_angles
 from r3gw.model.foreground import too_large
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import Rows
+from r3gw.training.settings import DensitySettings
 
 SPLIT_SHRINK = 1.6
+
+
+class Grown(NamedTuple):
+    """Which sets would have grown more if they might."""
+
+    foreground_capped: bool
+    sky_capped: bool
 
 
 class GradientStatistics:
@@ -63,48 +72,52 @@ def densify(
     model: SceneModel,
     optimizer: Optimizer,
     gradients: Float[Tensor, "n"],
+    settings: DensitySettings,
     *,
     threshold: float,
     extent: float,
     prune_huge: bool,
     generator: torch.Generator,
-) -> None:
+) -> Grown:
     """Clone or split every Gaussian above ``threshold``, then prune, in both sets.
 
     Args:
         model: Changed in place.
         optimizer: Its state follows the rows.
         gradients: Mean NDC gradient norms, foreground first.
+        settings: Sizes, opacities and the largest number of Gaussians.
         threshold: Gradient norm above which a Gaussian is densified.
         extent: Camera extent, world units; sizes are judged relative to it, in the sky
             relative to the dome's radius where that is larger.
         prune_huge: Whether too large Gaussians go, as they do after the first opacity reset.
         generator: Draws the positions of split children.
     """
-    settings = model.settings.density
     split_at = len(model.foreground)
     budget = settings.max_gaussians - model.num_gaussians
     sky_extent = max(extent, float(model.sky.radius.detach()))
+    capped = []
     for rows, grads, size in (
         (model.foreground, gradients[:split_at], extent),
         (model.sky.rows, gradients[split_at:], sky_extent),
     ):
-        if len(rows) == 0:
-            continue
         room = budget
         if rows is model.sky.rows:
             room = min(room, int(settings.sky_share * settings.max_gaussians) - len(rows))
         chosen = _strongest(grads, threshold, room)
+        capped.append(int(chosen.sum()) < int((grads > threshold).sum()))
+        if len(rows) == 0:
+            continue
         budget -= int(chosen.sum())
         is_large = too_large(rows["log_scales"], settings.large_scale * size)
         huge = settings.huge_scale * size if prune_huge else float("inf")
         _grow(model, rows, optimizer, chosen & ~is_large, chosen & is_large, generator)
         _prune(rows, optimizer, settings.min_opacity, huge)
+    return Grown(*capped)
 
 
-def reset_opacity(model: SceneModel, optimizer: Optimizer) -> None:
-    """Lower all opacities to at most the reset value."""
-    ceiling = torch.logit(torch.tensor(model.settings.density.reset_opacity))
+def reset_opacity(model: SceneModel, optimizer: Optimizer, highest: float) -> None:
+    """Lower all opacities to at most ``highest``."""
+    ceiling = torch.logit(torch.tensor(highest))
     for rows in (model.foreground, model.sky.rows):
         if len(rows):
             rows.overwrite(optimizer, "opacity_logits", rows["opacity_logits"].clamp(max=ceiling))

@@ -1,7 +1,6 @@
 """The training loop of one run: a scene, resolved settings, a seed."""
 
 import sys
-from math import isfinite
 
 import torch
 from tqdm import tqdm
@@ -10,13 +9,21 @@ from r3gw.files import InputError
 from r3gw.model.model import SceneModel
 from r3gw.model.occlusion import update_occlusion
 from r3gw.model.rows import OCCLUSION
+from r3gw.training.checkpoint import Checkpoints
 from r3gw.training.density import GradientStatistics, densify, reset_opacity, rising_threshold
-from r3gw.training.history import History
+from r3gw.training.health import (
+    Diverged,
+    diverged_in_rendering,
+    require_finite_loss,
+    require_finite_parameters,
+    watch_counts,
+)
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step, set_position_rate
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
-from r3gw.training.state import Checkpoints, TrainingState, first_state
+from r3gw.training.settings import TrainSettings
+from r3gw.training.state import TrainingState, first_state
 from r3gw.training.watched import Watched
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
@@ -25,27 +32,46 @@ BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
 def train(
     model: SceneModel,
     photos: list[Photo],
+    settings: TrainSettings,
     checkpoints: Checkpoints | None = None,
     watched: Watched | None = None,
-) -> tuple[SceneModel, History]:
-    """Optimise ``model`` on ``photos`` for the iterations that its settings name.
+) -> TrainingState:
+    """Optimise ``model`` on ``photos`` for the iterations that the settings name.
 
     Args:
         model: The initial model; changed in place, unless a checkpoint takes its place.
-        photos: In the order of ``model.photos``.
+        photos: The training photos, in the order of ``model.photos``.
+        settings: The settings of the run.
         checkpoints: Where to continue from and save to; None does neither.
         watched: Where to show the run to those who watch it; None shows nothing.
 
     Raises:
         InputError: If the loss stops being finite or the foreground vanishes.
     """
-    state = first_state(model)
+    state = first_state(model, settings)
     if checkpoints is not None:
         state = checkpoints.restore(state)
-    iterations = model.settings.iterations
-    schedule = Schedule.of(model.settings)
-    extent = camera_extent([photo.camera for photo in photos])
+    schedule = Schedule.of(settings)
     state.model.appearance.train()
+    try:
+        _run(state, photos, schedule, checkpoints, watched)
+    except Diverged as error:
+        kept = "" if checkpoints is None else checkpoints.kept()
+        raise InputError(f"{error}{kept}") from None
+    state.model.appearance.eval()
+    return state
+
+
+def _run(
+    state: TrainingState,
+    photos: list[Photo],
+    schedule: Schedule,
+    checkpoints: Checkpoints | None,
+    watched: Watched | None,
+) -> None:
+    """Do the iterations that are left."""
+    iterations = state.settings.iterations
+    extent = camera_extent([photo.camera for photo in photos])
     interval_s = BAR_INTERVAL_S[sys.stderr.isatty()]
     with tqdm(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
@@ -57,8 +83,7 @@ def train(
             bar.update()
             if checkpoints is not None:
                 checkpoints.save_if_due(state)
-    state.model.appearance.eval()
-    return state.model, state.history
+    require_finite_parameters(state)
 
 
 def _step(
@@ -70,13 +95,17 @@ def _step(
 ) -> dict[str, float | int] | None:
     """Do one iteration; return its row of the history if it gets one."""
     state.iteration += 1
-    iteration, model = state.iteration, state.model
-    set_position_rate(state.optimizer, model, schedule, iteration)
+    iteration, model, settings = state.iteration, state.model, state.settings
+    set_position_rate(state.optimizer, settings.rates, schedule, iteration)
     index = state.order.next(state.generator)
     photo = photos[index]
-    rendering, loss, parts = objective(model, photo, index, iteration, schedule, state.generator)
-    if not torch.isfinite(loss):
-        raise InputError(_not_finite(iteration, photo, parts))
+    try:
+        rendering, loss, parts = objective(
+            model, settings, photo, index, iteration, schedule, state.generator
+        )
+    except ValueError as error:
+        raise diverged_in_rendering(state, photo, error) from error
+    require_finite_loss(state, photo, float(loss.detach()), parts)
     torch.autograd.backward(loss)
     gradient = rendering.means2d.grad
     if iteration <= schedule.densify_last and gradient is not None:
@@ -87,7 +116,7 @@ def _step(
     _change_density(state, schedule, extent)
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
         centres = [photo.camera.centre for photo in photos]
-        update_occlusion(model.foreground, centres, model.settings.occlusion)
+        update_occlusion(model.foreground, centres, settings.occlusion)
     is_due = state.history.is_due(iteration)
     row = state.history.add(iteration, model, photo, rendering, parts) if is_due else None
     if watched is not None:
@@ -98,42 +127,31 @@ def _step(
 def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> None:
     """Densify and reset opacities if due."""
     iteration, model = state.iteration, state.model
-    density = model.settings.density
+    density = state.settings.density
     if schedule.densifies(iteration):
         threshold = rising_threshold(
             schedule.density_progress(iteration),
             density.threshold_first,
             density.threshold_last,
         )
-        densify(
+        grown = densify(
             model,
             state.optimizer,
             state.statistics.mean(),
+            density,
             threshold=threshold,
             extent=extent,
             prune_huge=schedule.prunes_huge(iteration),
             generator=state.generator,
         )
         state.statistics = GradientStatistics(model.num_gaussians)
-        if len(model.foreground) == 0:
-            raise InputError(
-                f"training lost all foreground Gaussians at iteration {iteration}; check the "
-                "masks (polarity, coverage) and the learning rates"
-            )
+        watch_counts(state, grown)
     if schedule.resets_opacity(iteration):
-        reset_opacity(model, state.optimizer)
+        reset_opacity(model, state.optimizer, density.reset_opacity)
 
 
 def _postfix(row: dict[str, float | int]) -> str:
     return (
         f"loss {row['loss']:.4f}  psnr {row['psnr']:.2f} dB  "
         f"{row['num_foreground']:.0f} foreground + {row['num_sky']:.0f} sky"
-    )
-
-
-def _not_finite(iteration: int, photo: Photo, parts: dict[str, float]) -> str:
-    bad = ", ".join(name for name, part in parts.items() if not isfinite(part))
-    return (
-        f"training diverged at iteration {iteration} on photo {photo.name}: the loss part(s) "
-        f"{bad} are not finite; lower the learning rates or rates.short_run_boost"
     )

@@ -50,7 +50,7 @@ class Watched:
         progress = {
             "photo": photo.name,
             "iteration": state.iteration,
-            "iterations": state.model.settings.iterations,
+            "iterations": state.settings.iterations,
             "seconds": state.history.seconds(),
             "rows": state.history.rows,
         }

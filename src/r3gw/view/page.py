@@ -25,7 +25,7 @@ def write_page(
     """Write a trained scene as a page that shows and relights it.
 
     Args:
-        model_path: model.pt of a run, or relightable.ply of an export.
+        model_path: model.safetensors of a run, or relightable.ply of an export.
         scene_folder: Folder of scene.json.
         target: The .html file.
         options: What goes in.

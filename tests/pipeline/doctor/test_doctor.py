@@ -24,7 +24,7 @@ def test_page_of_a_good_scene(made):
     found = facts(made)
     assert found["photos"] == "4 (3 training, 1 test)"
     assert found["sizes"] == "64x48 px (4)"
-    assert found["registered"] == "cameras came with the data"
+    assert found["registered"] == "4 of 4"
     assert found["sessions"] == "3: 01-08_07_30 (2), 02-08_12_00 (1), 03-08_18_00 (1)"
     assert found["sky masks"] == "4 given; cover 33% (33% to 33%)"
     assert found["polarity"] == "4 upright"
@@ -87,7 +87,8 @@ def test_one_photo_is_too_few(patient, tmp_path, count):
     write_image(tmp_path / "few" / "masks" / "0.png", np.zeros((48, 64), np.uint8))
     patient.entry = {"format": "photos", "path": str(tmp_path / "few")}
     (problem,) = patient.examine().problems
-    assert f"few: {count} photo{'s are' if count > 1 else ' is'} here, but at least 3" in problem
+    found = "one photo is" if count == 1 else "2 photos are"
+    assert f"few: {found} here, but at least 3" in problem
 
 
 def upside_down(view):
