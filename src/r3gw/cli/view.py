@@ -63,8 +63,8 @@ def view(
 ) -> None:
     """Show a run in the browser, on this computer alone (127.0.0.1).
 
-    RUN is a run's folder, its model.safetensors, or an exported relightable.ply. A run that is still in
-    training shows its curves and a frame every few seconds, and its page once it is done.
+    RUN is a run's folder, its model.safetensors, or an exported relightable.ply. A run that is
+    still in training shows its curves and a frame every few seconds, and its page once it is done.
     """
     from r3gw.view.page import page_of
     from r3gw.view.payload import PageOptions

@@ -21,7 +21,7 @@ from r3gw.files import InputError
 from r3gw.files.ply import read_vertices, write_vertices
 from r3gw.files.strict import Strict, validated
 from r3gw.geometry.similarity import Similarity
-from r3gw.relight.files.lights_file import read_lights
+from r3gw.relight.files.lights_file import HIGHEST_DEGREE, read_lights
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.move import moved
 from r3gw.scene.scene import Gauge
@@ -66,7 +66,7 @@ class _Facts(Strict):
 
     coordinates: Coordinates
     scene_from_source: Gauge
-    light_degree: int = Field(ge=0, le=10)
+    light_degree: int = Field(ge=0, le=HIGHEST_DEGREE)
     with_specular: bool
 
 
@@ -134,6 +134,13 @@ def read_ply(path: Path) -> Relightable:
     if bool((is_sky[1:] < is_sky[:-1]).any()):
         raise InputError(f"{path}: the sky's Gaussians must come last; do not reorder the file")
     count = int((~is_sky).sum())
+    lights = read_lights(path.parent)
+    for photo, light in lights.items():
+        if len(light.sh) != (facts.light_degree + 1) ** 2:
+            raise InputError(
+                f"{path}: its lights have degree {facts.light_degree}, but that of {photo} in "
+                "lights.json beside it has another; export the scene again"
+            )
     gaussians = Relightable(
         _columns(rows, POSITION),
         _columns(rows, ROTATION),
@@ -141,7 +148,7 @@ def read_ply(path: Path) -> Relightable:
         _columns(rows, ("opacity",))[:, 0],
         _columns(rows, ALBEDO)[:count],
         _columns(rows, ("roughness",))[:count, 0],
-        read_lights(path.parent),
+        lights,
         facts.light_degree,
         facts.with_specular,
         _columns(rows, transfer)[:count] if transfer else None,
