@@ -1,11 +1,15 @@
 """Training a tiny scene: it learns, it repeats byte for byte, it stops with a sentence."""
 
+import json
+import os
+
 import pandas as pd
 import pytest
 import torch
 from support.settings import train_settings
 
 from r3gw.geometry.cameras import Camera
+from r3gw.imaging.files import read_rgb
 from r3gw.model.initial import InitialPoints
 from r3gw.model.model_file import save_model
 from r3gw.model.sky import SkyDome, sample_dome
@@ -15,6 +19,7 @@ from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.settings import TrainSettings
 from r3gw.training.start import initial_model
 from r3gw.training.state import first_state
+from r3gw.training.watched import ASKED, CURVES, PATIENCE_S, PICTURE, Watched, ask
 
 PARTS = {"settings": "a", "code": "b"}
 
@@ -105,6 +110,37 @@ def test_interrupted_run_continues_to_the_same_bytes(settings, photos, initial, 
     assert [row["iteration"] for row in continued.history.rows] == list(range(1, 81))
     checkpoints.discard()
     assert not list(tmp_path.glob(".checkpoint*"))
+
+
+def test_a_watched_run_shows_itself_and_trains_the_same(settings, photos, initial, tmp_path):
+    ask(tmp_path)
+    watched = Watched(tmp_path)
+    start = initial_model(initial, ("a", "b"), settings)
+    state = train(start, photos, settings, watched=watched)
+    progress = json.loads((tmp_path / CURVES).read_text())
+    assert (progress["iteration"], progress["iterations"]) == (1, 80)
+    assert progress["rows"] == state.history.rows[:1]
+    photo = next(photo for photo in photos if photo.name == progress["photo"])
+    shown = read_rgb(tmp_path / PICTURE)
+    assert shown.shape == (24, 64, 3)
+    assert (shown[:, :32] == photo.planes.permute(1, 2, 0).numpy()).all()
+    for name, rows in run(settings, photos, initial).model.foreground.values.items():
+        torch.testing.assert_close(state.model.foreground[name], rows, rtol=0, atol=0)
+    watched.discard()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_nobody_watches_any_more_writes_nothing(settings, photos, initial, tmp_path):
+    def watch():
+        start = initial_model(initial, ("a", "b"), settings)
+        train(start, photos, settings, watched=Watched(tmp_path))
+        return sorted(path.name for path in tmp_path.iterdir())
+
+    assert watch() == []
+    ask(tmp_path)
+    long_ago = (tmp_path / ASKED).stat().st_mtime - 2 * PATIENCE_S
+    os.utime(tmp_path / ASKED, (long_ago, long_ago))
+    assert watch() == [ASKED]
 
 
 def test_another_seed_gives_another_model(settings, photos, initial):

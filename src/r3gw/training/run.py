@@ -22,6 +22,7 @@ from r3gw.training.photos import load_photos
 from r3gw.training.run_digest import run_digest, run_parts
 from r3gw.training.settings import TrainSettings, load_train_settings
 from r3gw.training.start import initial_model
+from r3gw.training.watched import Watched
 
 log = logging.getLogger(__name__)
 
@@ -87,7 +88,8 @@ def run_training(
     _say_why_not_lengthened(files.target, settings)
     # What is loaded by now stays: the collector need not walk it during every iteration.
     gc.freeze()
-    state = train(start, photos, settings, checkpoints)
+    watched = Watched(files.target)
+    state = train(start, photos, settings, checkpoints, watched)
     save_model(state.model, files.target / "model.safetensors", values)
     state.history.write(files.target / "history.csv")
     record = {
@@ -109,6 +111,7 @@ def run_training(
     }
     write_json(files.target / "run.json", record)
     checkpoints.discard()
+    watched.discard()
 
 
 def _code() -> str:
