@@ -79,9 +79,9 @@ def make_run(folder: Path, variant: str, *, with_test: bool) -> Path:
         )
     _make_relit(metrics / "relit", [record["view"] for record in records][-1:])
     run = {
-        "scene": "x", "variant": variant, "seed": 0, "iterations": 3, "num_foreground": 40, "num_sky": 20, "num_threads": 1,
-        "settings_digest": f"digest-{variant}", "code_version": "0.1.0",
-        "machine": "<machine & co>",
+        "scene": "x", "variant": variant, "seed": 0, "iterations": 3, "num_foreground": 40,
+        "num_sky": 20, "num_threads": 1, "settings_digest": f"digest-{variant}",
+        "code_version": "0.1.0", "machine": "<machine & co>",
     }  # fmt: skip
     parts = [{"view": "t", "sky_boundary_psnr": 21.0}, {"view": "t", "light_error": 0.5}]
     write_json(metrics / "metrics.json", {"run": run, "images": records, "decomposition": parts})
