@@ -35,9 +35,8 @@ def write_run(
     }  # fmt: skip
     path = root / "metrics" / "metrics.json"
     path.write_text(json.dumps({"run": run, "images": records, "decomposition": []}))
-    path.with_name("cost.json").write_text("{}")
-    timing = {"training_seconds": seconds, "peak_rss_mb": 500.0}
-    (root / "timing.json").write_text(json.dumps(timing))
+    cost = {"training_seconds": seconds, "training_peak_rss_mb": 500.0}
+    path.with_name("cost.json").write_text(json.dumps(cost))
     (root / "settings.json").write_text(json.dumps(SETTINGS | {"seed": seed} | changes))
     return path
 

@@ -11,6 +11,7 @@ import pytest
 
 from r3gw.files import InputError
 from r3gw.reporting.tables.listings import cost, decomposition, images_table, runs_table
+from r3gw.reporting.tables.stage import write_main_tables
 from r3gw.reporting.tables.table1 import ablations, table1
 
 
@@ -49,11 +50,11 @@ def write_metrics(
         "render_megapixels": 0.0432,
         "render_threads": 1,
         "peak_rss_mb": 300.0,
+        "training_seconds": 10.0 + seed,
+        "training_peak_rss_mb": 500.0 + seed,
     }
-    path = folder / f"{scene}_{variant}_{seed}" / "metrics" / "metrics.json"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    timing = {"training_seconds": 10.0 + seed, "peak_rss_mb": 500.0 + seed}
-    path.parent.with_name("timing.json").write_text(json.dumps(timing))
+    path = folder / f"{scene}_{variant}_{seed}" / "metrics.json"
+    path.parent.mkdir(exist_ok=True)
     path.with_name("cost.json").write_text(json.dumps(speed))
     path.write_text(json.dumps({"run": run, "images": images, "decomposition": parts}))
     return path
@@ -113,6 +114,25 @@ def test_same_files_give_the_same_bytes(files, tmp_path):
         assert first.read_bytes() == second.read_bytes()
 
 
+def test_a_slower_machine_changes_the_table_of_cost_alone(files, tmp_path):
+    write_main_tables(files, None, tmp_path / "before")
+    for path in files:
+        cost_file = path.with_name("cost.json")
+        slower = {key: 2.5 * value for key, value in json.loads(cost_file.read_text()).items()}
+        cost_file.write_text(json.dumps(slower))
+    write_main_tables(files, None, tmp_path / "after")
+    names = {path.name for path in (tmp_path / "before").iterdir()}
+    assert names == {
+        f"{name}.csv" for name in ("table1", "images", "runs", "decomposition", "cost")
+    } | {
+        "table1.md",
+        "table1.tex",
+    }
+    for name in names:
+        before, after = ((tmp_path / folder / name).read_bytes() for folder in ("before", "after"))
+        assert (before == after) == (name != "cost.csv"), name
+
+
 def test_markdown_has_a_table_per_protocol(files, tmp_path):
     table1(files, None, tmp_path / "table1.csv")
     blocks = (tmp_path / "table1.md").read_text().split("**Protocol ")[1:]
@@ -140,9 +160,7 @@ def test_latex_is_a_booktabs_tabular(files, tmp_path):
 
 
 def test_one_seed_has_no_spread_and_no_mark(files, tmp_path):
-    table1(
-        [path for path in files if path.parents[1].name.endswith("_0")], None, tmp_path / "t.csv"
-    )
+    table1([path for path in files if path.parent.name.endswith("_0")], None, tmp_path / "t.csv")
     columns = pd.read_csv(tmp_path / "t.csv").columns
     assert [name for name in columns if "_std_" in name] == ["psnr_std_avg"]
     assert "within_spread" not in columns

@@ -1,5 +1,6 @@
 # Every function and constant of the workflow; the other files hold rules only.
 import json
+import os
 import re
 import shlex
 import sys
@@ -62,6 +63,8 @@ if ":" in BIN:
 # Twice quoted: for the shell, and for Snakemake, which takes braces for a format.
 QUOTED_BIN = shlex.quote(BIN).replace("{", "{{").replace("}", "}}")
 shell.prefix(f"set -euo pipefail; export PATH={QUOTED_BIN}:$PATH; ")
+# By the environment, because no result depends on it: another interval makes nothing again.
+os.environ.setdefault("R3GW_CHECKPOINT_SECONDS", str(CONFIG.checkpoint_seconds))
 
 
 wildcard_constraints:
@@ -88,8 +91,8 @@ def code_of(command):
 
 
 def config_json():
-    """The whole configuration of this run, as JSON."""
-    return CONFIG.model_dump_json()
+    """All of this run's configuration that results depend on, as JSON."""
+    return CONFIG.model_dump_json(exclude={"checkpoint_seconds"})
 
 
 def benchmark_json(wildcards):

@@ -96,7 +96,7 @@ def _spread(values: Sequence[float]) -> float:
 
 
 def provenance(runs: Sequence[Run]) -> Row:
-    """Where a row comes from; several values are joined by ``;``."""
+    """Where a row comes from; several values are joined by ``;``. Nothing measured with a clock."""
 
     def joined(key: str) -> str:
         return ";".join(in_order([str(run.provenance[key]) for run in runs]))
