@@ -21,9 +21,9 @@ import pandas as pd
 import torch
 from jaxtyping import Float
 
-from r3gw.evaluation.bench import Bench
 from r3gw.evaluation.decomposition import scale_per_channel, surface_records
 from r3gw.evaluation.metrics import masked_psnr
+from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.files import atomic_path
 from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import pixel_rays
@@ -72,7 +72,7 @@ def true_points(scene: Scene, folder: Path) -> Float[torch.Tensor, "n 3"]:
     return torch.cat(found)
 
 
-def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> Bench:
+def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> TrainedScene:
     """A model of one scene, started from its true points."""
     scene = load_scene(folder / "scene")
     photos = load_photos(scene, folder / "scene", folder / "masks")
@@ -82,14 +82,14 @@ def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> Ben
     skies = first_skies(photos, light_rows(sessions, settings), settings)
     names = tuple(photo.name for photo in photos)
     model = initial_model(points, names, settings, sessions, skies)
-    bench = Bench(model, scene, folder / "scene", folder / "masks")
+    case = TrainedScene(model, scene, folder / "scene", folder / "masks")
     if lights_known:
         model.appearance.__class__ = TrueLights
         appearance = cast(TrueLights, model.appearance)
         truths = [view.truth for view in scene.split("train")]
-        appearance.lights = [bench.true_light(truth) for truth in truths if truth]
+        appearance.lights = [case.true_light(truth) for truth in truths if truth]
     model, _ = train(model, photos)
-    return Bench(model, scene, folder / "scene", folder / "masks")
+    return TrainedScene(model, scene, folder / "scene", folder / "masks")
 
 
 @dataclass(frozen=True)
@@ -107,27 +107,27 @@ class Shown:
         return np.asarray(inside / np.maximum(weight, 1e-6)[..., None])
 
 
-def shown(bench: Bench) -> Iterator[tuple[Shown, Shown]]:
+def shown(case: TrainedScene) -> Iterator[tuple[Shown, Shown]]:
     """Every test view as the model has it, and as it is."""
-    for view in bench.scene.split("test"):
+    for view in case.scene.split("test"):
         assert view.truth is not None  # embedded scenes have it
         truth = {
-            kind: read_linear(bench.scene_folder / getattr(view.truth, kind)).astype(np.float64)
+            kind: read_linear(case.scene_folder / getattr(view.truth, kind)).astype(np.float64)
             for kind in ("albedo", "normal", "depth")
         }
-        mask = bench.is_scored(view) & (truth["depth"][..., 0] > 0)
-        ours = surfaces_of(bench.model, view.camera)
+        mask = case.is_scored(view) & (truth["depth"][..., 0] > 0)
+        ours = surfaces_of(case.model, view.camera)
         yield Shown(ours.albedo, ours.normal, mask), Shown(truth["albedo"], truth["normal"], mask)
 
 
-def compared(bench: Bench) -> tuple[dict[str, float], np.ndarray]:
+def compared(case: TrainedScene) -> tuple[dict[str, float], np.ndarray]:
     """Figures over the test views, and a picture of the first: truth above, ours below."""
-    records = surface_records(bench)
+    records = surface_records(case)
     figures = {
         kind: float(np.mean([record[kind] for record in records]))
         for kind in ("albedo_psnr", "normal_median_deg")
     }
-    views = list(shown(bench))
+    views = list(shown(case))
     soft = [(ours.blurred(), truth.blurred(), truth.mask) for ours, truth in views]
     figures["albedo_psnr_blurred"] = _psnr(soft)
     detail = [(truth.blurred(), truth.albedo, truth.mask) for _, truth in views]
@@ -168,8 +168,8 @@ def main(variants: tuple[str, ...], iterations: int | None, scenes: tuple[str, .
             if iterations:
                 settings = settings.model_copy(update={"iterations": iterations})
             for lights_known in (False, True):
-                bench = trained(Path("results") / scene, settings, lights_known=lights_known)
-                figures, picture = compared(bench)
+                case = trained(Path("results") / scene, settings, lights_known=lights_known)
+                figures, picture = compared(case)
                 lights = "true" if lights_known else "learned"
                 rows.append({"scene": scene, "variant": variant, "lights": lights, **figures})
                 write_image(TARGET / f"recovery_{scene}_{variant}_{lights}.png", picture)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.files import write_json
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import write_exr, write_image
@@ -45,9 +45,9 @@ class Tiny:
     env_map: torch.Tensor
 
     @property
-    def bench(self) -> Bench:
-        """A bench over the files."""
-        return Bench(self.model, load_scene(self.folder), self.folder, self.masks)
+    def trained(self) -> TrainedScene:
+        """The model beside its scene's files."""
+        return TrainedScene(self.model, load_scene(self.folder), self.folder, self.masks)
 
     def view(self, name: str) -> View:
         """A view by name."""

@@ -107,6 +107,6 @@ def _stop_at(problems: Sequence[str]) -> None:
 @click.option("--target", type=FOLDER, required=True, help="Folder of the figures.")
 def sheet(name: str, scene: Path, masks: Path, target: Path) -> None:
     """Draw all photos of a scene with their masks tinted, as NAME_masks.png."""
-    from r3gw.reporting.figures.masks import mask_sheet
+    from r3gw.reporting.figures.mask_sheet import mask_sheet
 
     mask_sheet(name, scene, masks, target)

@@ -110,6 +110,15 @@ def save(figure: Figure, target: Path, *, as_pdf: bool) -> None:
             figure.savefig(path, metadata={"CreationDate": None, "Producer": None})
 
 
+def in_rows(cells: Sequence[Cell], per_row: int) -> list[list[Cell | None]]:
+    """Cells in rows of one length; the last row ends with empty places."""
+    rows: list[list[Cell | None]] = []
+    for start in range(0, len(cells), per_row):
+        row = cells[start : start + per_row]
+        rows.append([*row, *[None] * (per_row - len(row))])
+    return rows
+
+
 def picture_grid(
     rows: Sequence[Sequence[Cell | None]],
     column_titles: Sequence[str],

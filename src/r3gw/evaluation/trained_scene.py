@@ -22,7 +22,7 @@ from r3gw.scene import GroundTruth, Scene, View
 
 
 @dataclass(frozen=True)
-class Bench:
+class TrainedScene:
     """One trained model beside its scene.
 
     Attributes:
