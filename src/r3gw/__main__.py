@@ -1,4 +1,4 @@
-"""Entry point of ``python -m r3gw``; the commands are in r3gw.cli."""
+"""Entry point of ``r3gw`` and ``python -m r3gw``; the commands are in r3gw.cli."""
 
 import sys
 
@@ -8,12 +8,14 @@ import click
 from r3gw.cli import check, data, report, runs, score, use  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
+from r3gw.files.extras import missing_extra
 
 
 def main() -> None:
     """Run the command line.
 
-    Bad input, and what the operating system refuses, end in one sentence and exit status 2.
+    Bad input, what the operating system refuses, and a library of an extra that is not installed
+    end in one sentence and exit status 2.
     """
     try:
         cli()
@@ -21,6 +23,10 @@ def main() -> None:
         _stop(str(error))
     except OSError as error:
         _stop(sentence_of(error))
+    except ModuleNotFoundError as error:
+        if (missing := missing_extra(error)) is error:
+            raise
+        _stop(str(missing))
     except MemoryError:
         _stop("there is not enough memory; close other programs or use smaller pictures")
 
