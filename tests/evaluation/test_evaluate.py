@@ -89,8 +89,9 @@ def test_same_inputs_give_the_same_bytes(tiny, tmp_path):
 
 
 def test_missing_run_record_and_model_are_named(tiny, tmp_path):
+    model = tmp_path / "model.safetensors"
     with pytest.raises(InputError, match=r"run\.json: no such file; train"):
-        evaluate_run(tiny.folder, tiny.masks, tmp_path / "model.pt", tmp_path, num_threads=1)
+        evaluate_run(tiny.folder, tiny.masks, model, tmp_path, num_threads=1)
     (tmp_path / "run.json").write_text('{"scene": "tiny"}')
-    with pytest.raises(InputError, match=r"model\.pt: no such model"):
-        evaluate_run(tiny.folder, tiny.masks, tmp_path / "model.pt", tmp_path, num_threads=1)
+    with pytest.raises(InputError, match=r"model\.safetensors: no such model"):
+        evaluate_run(tiny.folder, tiny.masks, model, tmp_path, num_threads=1)

@@ -26,7 +26,7 @@ from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_picture
 from r3gw.model.lights import learned_lights
-from r3gw.model.model import load_model
+from r3gw.model.model_file import load_model
 from r3gw.relight.files.lights_file import write_lights
 from r3gw.rendering.surfaces import apart, surfaces_of
 from r3gw.scene import View, load_scene
@@ -44,7 +44,7 @@ def evaluate_run(
     Args:
         scene_folder: Imported scene.
         masks_folder: Its masks.
-        model_path: model.pt, with the training's run.json beside it.
+        model_path: model.safetensors, with the training's run.json beside it.
         target: Folder for metrics.json, lights.json, cost.json, images/<protocol>/<view>.json,
             renders/ and relit/ (`write_gallery`). renders/ holds, of all test views and of four
             training views, ``<kind>/<view>.png`` where a kind is a protocol or one of albedo,

@@ -20,6 +20,7 @@ from r3gw.relight.picture import frame
 from r3gw.relight.tone import CURVES, linear_from_scene, scene_linear
 from r3gw.scene import Scene, load_scene
 
+MODEL, OLD_MODEL = "model.safetensors", "model.pt"  # the old one: model files of version 3
 Tone = Literal["standard", "reinhard", "filmic", "linear"]
 
 
@@ -110,7 +111,8 @@ def load(path: str | Path, scene: str | Path | None = None) -> TrainedScene:
     """Open a trained scene.
 
     Args:
-        path: model.pt of a training, the folder that holds it, or relightable.ply of an export.
+        path: model.safetensors of a training, the folder that holds it, or relightable.ply of an
+            export.
         scene: Folder of scene.json, for the photos' cameras. By default it is looked for where the
             workflow puts it: ``results/SCENE/scene`` beside ``results/SCENE/VARIANT/SEED``.
 
@@ -119,7 +121,8 @@ def load(path: str | Path, scene: str | Path | None = None) -> TrainedScene:
     """
     model = Path(path)
     if model.is_dir():
-        model = model / "model.pt"
+        is_old = (model / OLD_MODEL).is_file() and not (model / MODEL).is_file()
+        model = model / (OLD_MODEL if is_old else MODEL)
     folder = model.resolve().parent.parent.parent / "scene" if scene is None else Path(scene)
     is_known = scene is not None or (folder / "scene.json").is_file()
     return TrainedScene(load_relightable(model), load_scene(folder) if is_known else None)

@@ -1,4 +1,4 @@
-"""One rendering pass over both sets of Gaussians (method 6).
+"""One rendering pass over both sets of Gaussians (Sec. 4.1 to 4.3).
 
 Feature channels, in this order: display colour (3), camera depth (1), foreground normal (3),
 foreground-only and sky-only channel sum (1 each). The last two carry no colour gradient; where a
@@ -80,20 +80,17 @@ def render(
         sky_light: Sky coefficients (Eq. 11); None paints the sky white, as the protocol of
             test views does.
     """
-    splats = splats_of(model, camera, light, sky_light)
-    if model.settings.silhouette.enabled:
-        splats = splats.with_channel_sums(silhouette_marks(model))
-    return draw(splats, camera)
+    return draw(splats_of(model, camera, light, sky_light), camera)
 
 
-def silhouette_marks(model: SceneModel) -> Float[Tensor, "n 2"]:
+def silhouette_marks(model: SceneModel, solid: float) -> Float[Tensor, "n 2"]:
     """Channel sums of which Eq. 15's mean over pixels and channels makes the silhouette loss.
 
     On sky pixels it counts the foreground's opacity, elsewhere ``-solid`` times that; so it is
     `r3gw.training.losses.separation.silhouette_loss` less a number that depends on the masks alone.
     """
     marks = torch.zeros(model.num_gaussians, 2)
-    marks[: len(model.foreground)] = torch.tensor([3.0, -3.0 * model.settings.silhouette.solid])
+    marks[: len(model.foreground)] = torch.tensor([3.0, -3.0 * solid])
     return marks
 
 

@@ -34,7 +34,7 @@ def splats_of(
         foreground["albedo_logits"].sigmoid(),
         foreground["roughness_logits"].sigmoid(),
         light,
-        with_specular=model.settings.model.specular,
+        with_specular=model.description.specular,
     )
     for shadow in shadows_of(foreground, light):
         linear = linear + foreground["albedo_logits"].sigmoid() * shadow / pi

@@ -11,19 +11,11 @@ from torch import Tensor
 
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.geometry.cameras import Camera
+from r3gw.model.attributes import FOREGROUND, SKY
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION, Rows
 from r3gw.rendering.brdf_table import brdf_table
 
-FOREGROUND_ROWS = (
-    "means",
-    "log_scales",
-    "quaternions",
-    "opacity_logits",
-    "albedo_logits",
-    "roughness_logits",
-)
-SKY_ROWS = ("angles", "log_scales", "quaternions", "opacity_logits")
 COEFFICIENTS = (9, 25)  # SH degree 2 and 4: what the kernel is compiled for.
 
 
@@ -35,10 +27,10 @@ class Splats:
         means: World positions.
         quaternions: Gaussian to world, wxyz, of any length.
         scales: Standard deviations, world units.
-        opacities: In [0, 1].
+        opacities: Opacities in [0, 1].
         features: Channels of `r3gw.rendering.compose`.
-        depths: Camera z.
-        smallest_scales: Of the foreground, world units.
+        depths: Camera z of the centres.
+        smallest_scales: Smallest scale of each foreground Gaussian, world units.
     """
 
     means: Float[Tensor, "n 3"]
@@ -80,9 +72,9 @@ def splats_of(
     """
     if light.shape[0] not in COEFFICIENTS:
         raise ValueError(f"shading needs 9 or 25 light coefficients, got {light.shape[0]}")
-    table = brdf_table() if model.settings.model.specular else None
-    foreground = [model.foreground[name] for name in FOREGROUND_ROWS]
-    sky = [model.sky.rows[name] for name in SKY_ROWS]
+    table = brdf_table() if model.description.specular else None
+    foreground = [model.foreground[attribute.name] for attribute in FOREGROUND]
+    sky = [model.sky.rows[attribute.name] for attribute in SKY]
     outputs = torch.ops.r3gw.splats(
         foreground + shadows_of(model.foreground, light),
         [*sky, model.sky.radius, model.sky.centre],

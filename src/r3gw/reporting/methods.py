@@ -13,8 +13,8 @@ class Method:
     """A variant in print.
 
     Attributes:
-        name: In tables.
-        label: Short, above pictures and in legends.
+        name: What tables call it.
+        label: What pictures and legends call it, shorter.
         group: `PAPER`, `ABLATION` (a piece of the paper's method left out or changed), `BEYOND` or
             `OWN` (settings of the user's own).
     """

@@ -5,19 +5,20 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.model.model import SceneModel
-from r3gw.model.outdoor import OpenSky
-from r3gw.model.settings import OutdoorSettings, WeightSettings
-from r3gw.rendering.compose import Rendering, render
+from r3gw.rendering.compose import Rendering, draw, silhouette_marks
+from r3gw.rendering.splats import splats_of
+from r3gw.training.lights.kinds import training_of
 from r3gw.training.losses.known_gradient import KnownLoss, sum_of
-from r3gw.training.losses.lighting import random_directions, visible_sky_loss
 from r3gw.training.losses.picture import PictureWeights, picture_losses
-from r3gw.training.losses.regularisers import flatness_loss, positivity_loss, sky_depth_loss
+from r3gw.training.losses.regularisers import flatness_loss, sky_depth_loss
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
+from r3gw.training.settings import TrainSettings, WeightSettings
 
 
 def objective(
     model: SceneModel,
+    settings: TrainSettings,
     photo: Photo,
     index: int,
     iteration: int,
@@ -28,16 +29,21 @@ def objective(
 
     Args:
         model: The scene.
+        settings: The settings of the run.
         photo: The target.
         index: The photo's row in the appearance embedding.
         iteration: Counts from 1.
         schedule: Says which losses act.
         generator: Light noise and positivity directions.
     """
-    weights = model.settings.weights
-    light, sky_light, open_sky = model.appearance(index)
-    noisy = model.appearance.noisy(light, generator)
-    rendering = render(model, photo.camera, noisy, sky_light)
+    weights, silhouette = settings.weights, settings.silhouette
+    lit = model.appearance(index)
+    noise = torch.randn(lit.light.shape, generator=generator)
+    noisy = torch.add(lit.light, noise, alpha=settings.model.light_noise)
+    splats = splats_of(model, photo.camera, noisy, lit.sky_light)
+    if silhouette.enabled:
+        splats = splats.with_channel_sums(silhouette_marks(model, silhouette.solid))
+    rendering = draw(splats, photo.camera)
     acting = acting_weights(weights, schedule, iteration)
     pixels = picture_losses(
         rendering.planes,
@@ -50,8 +56,8 @@ def objective(
     )
     known = [pixels.total]
     separation = pixels.separation
-    if model.settings.silhouette.enabled:
-        separation += model.settings.silhouette.solid * photo.solid_share
+    if silhouette.enabled:
+        separation += silhouette.solid * photo.solid_share
     parts = {"separation": acting.separation * separation}
     if iteration <= schedule.warm_up:
         return rendering, sum_of(known), parts
@@ -63,10 +69,16 @@ def objective(
         known.append(loss)
         parts[name] = loss.value
 
-    if open_sky is None:
-        directions = random_directions(weights.light_directions, weights.light_domain, generator)
-        add("light", positivity_loss(light, directions, weights.light))
-    splats, radii_px = rendering.splats, rendering.radii_px
+    others: list[Tensor] = []  # losses whose gradients torch finds
+    for name, loss in training_of(model.appearance.light_model).losses(
+        lit, photo, settings, generator
+    ):
+        if isinstance(loss, KnownLoss):
+            add(name, loss)
+        else:
+            others.append(loss)
+            parts[name] = float(loss.detach())
+    radii_px = rendering.radii_px
     if weights.sky_depth > 0:
         num_foreground, gamma = len(model.foreground), weights.sky_depth_gamma
         loss = sky_depth_loss(splats.depths, radii_px, num_foreground, gamma, weights.sky_depth)
@@ -74,25 +86,9 @@ def objective(
     if iteration > schedule.geometry_losses_from:
         add("scale", flatness_loss(splats.smallest_scales, radii_px, weights.scale))
     total = sum_of(known)
-    if open_sky is not None:
-        outdoor = open_sky_loss(open_sky, photo, model.settings.outdoor)
-        parts["light"] = float(outdoor.detach())
-        total = total + outdoor
+    for other in others:
+        total = total + other
     return rendering, total, parts
-
-
-def open_sky_loss(open_sky: OpenSky, photo: Photo, settings: OutdoorSettings) -> Float[Tensor, ""]:
-    """What keeps the sky near what its photo shows, its gradient near the first (not in the paper).
-
-    It stands in for the positivity loss: a point sun in SH of degree 4 is negative in places.
-    """
-    steady = settings.sky_gradient * open_sky.change[1:].square().sum()
-    if photo.seen_sky is None:
-        return steady
-    seen = photo.seen_sky
-    return steady + settings.visible_sky * visible_sky_loss(
-        open_sky.radiance, seen.basis, seen.radiance, seen.is_clipped
-    )
 
 
 def acting_weights(weights: WeightSettings, schedule: Schedule, iteration: int) -> PictureWeights:

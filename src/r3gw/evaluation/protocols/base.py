@@ -31,12 +31,12 @@ class ViewProtocol(ABC):
     """What every protocol says of itself; tables, figures and the report follow from it.
 
     Attributes:
-        name: In records and file names.
+        name: What records and file names call it.
         version: Goes into every record; raise it when the protocol's figures change.
         is_oracle: Whether it chooses something by looking at the photo that it is scored on.
         split: Which views it is for.
         needs: Fields of `r3gw.scene.View` that a view must have, such as ``truth``.
-        suffix: Of its columns: ``psnr<suffix>``, ``ssim<suffix>`` and so on.
+        suffix: End of its columns' names: ``psnr<suffix>``, ``ssim<suffix>`` and so on.
         title: What it does, in a few words; stands above its part of table 1.
         light_title: Under which light a view is seen; stands above pictures and in studies.
         rank: How well it shows a view: a view's picture is that of the lowest rank it has.

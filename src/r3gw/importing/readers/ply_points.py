@@ -7,14 +7,14 @@ import numpy as np
 import pycolmap
 
 from r3gw.files import InputError
-from r3gw.scene import Points
+from r3gw.importing.source import SourcePoints
 
 # PLY has two names for each type, and pycolmap knows one of them.
 _ALIASES = ((b" uint8 ", b" uchar "), (b" float32 ", b" float "), (b" float64 ", b" double "))
 _END = b"end_header"
 
 
-def read_ply_points(path: Path) -> Points:
+def read_ply_points(path: Path) -> SourcePoints:
     """Positions and colours of a PLY file; points without a colour are black.
 
     Raises:
@@ -36,7 +36,7 @@ def read_ply_points(path: Path) -> Points:
     ordered = [model.points3D[identifier] for identifier in sorted(model.points3D)]
     if not ordered:
         raise InputError(f"{path}: holds no points; make the point cloud again")
-    xyz = np.array([point.xyz for point in ordered], dtype=np.float32)
+    xyz = np.array([point.xyz for point in ordered], dtype=np.float64)
     if not np.isfinite(xyz).all():
         raise InputError(f"{path}: holds points at NaN or infinity; make the point cloud again")
-    return Points(xyz, np.array([point.color for point in ordered], dtype=np.uint8))
+    return SourcePoints(xyz, np.array([point.color for point in ordered], dtype=np.uint8))

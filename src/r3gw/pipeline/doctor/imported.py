@@ -62,7 +62,7 @@ def _sizes(views: Sequence[View]) -> str:
 def _registered(folder: Path) -> str:
     path = folder / "sfm_report.json"
     if not path.is_file():
-        return "cameras came with the data"
+        return "cameras came with the data"  # imported before every format had a report
     report = json.loads(path.read_text())
     lost = listed(report["not_registered"])
     found = f"{len(report['registered'])} of {report['photos']}"

@@ -27,7 +27,7 @@ def up_picture(views: Sequence[View], scene_folder: Path, target: Path) -> None:
     """Draw arrows along the world's up into some photos and write them as one picture.
 
     Args:
-        views: Of the scene, at least one.
+        views: Views of the scene, at least one.
         scene_folder: Where their photos are.
         target: PNG to write.
 

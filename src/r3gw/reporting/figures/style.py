@@ -51,8 +51,8 @@ class Cell:
 
     Attributes:
         picture: ``[H, W, 3]`` uint8.
-        label: In the lower left corner.
-        thumbnail: A small picture in the upper left corner, such as an environment map.
+        label: Text in the lower left corner.
+        thumbnail: Small picture in the upper left corner, such as an environment map.
         frame_px: ``(left, top, width, height)`` of a frame drawn on the picture.
     """
 
@@ -131,8 +131,8 @@ def picture_grid(
 
     Args:
         rows: Cells, all rows of the same length; None stays empty.
-        column_titles: One per column.
-        row_titles: One per row.
+        column_titles: A title per column.
+        row_titles: A title per row.
         cell_width_in: Width of a cell; its height follows the row's first picture.
         scales: Colour bars at the right, one above the other.
     """

@@ -37,7 +37,7 @@ class Compared:
         column: Its name in tables.
         metric: What it is, in print.
         light: Under which light; "outline" and the like for what is no protocol's.
-        digits: In print.
+        digits: Digits behind the point, in print.
         has_gain: Whether its difference to the baseline is shown.
         is_test: Whether test views are scored.
     """

@@ -16,8 +16,8 @@ class KnownLoss:
 
     Attributes:
         value: The weighted loss.
-        inputs: What it depends on.
-        gradients: Of the weighted loss by each input.
+        inputs: The tensors that the loss depends on.
+        gradients: Gradient of the weighted loss by each of the inputs.
     """
 
     value: float

@@ -30,7 +30,7 @@ class PictureLosses:
     """The weighted sum with its gradient, and its terms before they are weighted.
 
     Attributes:
-        total: By planes and alpha.
+        total: The weighted sum, and its gradients by planes and alpha.
         l1: Mean absolute error over valid pixels and channels.
         dissimilarity: 1 - SSIM, the mean over the same.
         normal: Mean of 1 - N_rendered . N_depth over foreground pixels.
@@ -61,8 +61,8 @@ def picture_losses(
         target: The photo, 0 to 255.
         is_valid: False on occluders; what the planes hold there does not matter.
         is_sky: True on sky.
-        camera: The view.
-        weights: Of the terms.
+        camera: The camera of the photo.
+        weights: Weights of the terms.
     """
     losses, *gradients = torch.ops.r3gw.picture_losses(
         planes.detach(),

@@ -27,9 +27,9 @@ def flatness_loss(
     """Mean smallest scale of the visible foreground, world units; 0 if nothing is visible.
 
     Args:
-        smallest_scales: Of the foreground, world units.
-        radii_px: Of all Gaussians, foreground first; 0 where not visible.
-        weight: Of the loss.
+        smallest_scales: Smallest scale of each foreground Gaussian, world units.
+        radii_px: Radii of all Gaussians, foreground first; 0 where one is not visible.
+        weight: Weight of the loss.
     """
     value, gradient = torch.ops.r3gw.flatness(smallest_scales.detach(), radii_px, weight)
     return KnownLoss(weight * value, (smallest_scales,), (gradient,))
@@ -48,8 +48,8 @@ def sky_depth_loss(
         depths: Camera z of all Gaussians, foreground first. The foreground gets no gradient.
         radii_px: 0 where a Gaussian is not visible.
         num_foreground: How many of them are foreground.
-        gamma: Inverse length, per world unit.
-        weight: Of the loss.
+        gamma: How fast the loss falls with the distance, per world unit.
+        weight: Weight of the loss.
     """
     value, gradient = torch.ops.r3gw.sky_depth(
         depths.detach(), radii_px, num_foreground, gamma, weight
