@@ -9,26 +9,30 @@ from r3gw.cli import check, data, report, runs, score, use  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
 from r3gw.files.extras import missing_extra
+from r3gw.native.code import EXTENSION, MISSING, require_current_extension
 
 
 def main() -> None:
-    """Run the command line.
+    """Run the command line, unless its kernels are older than their sources.
 
     Bad input, what the operating system refuses, and a library of an extra that is not installed
     end in one sentence and exit status 2.
     """
     try:
+        require_current_extension()
         cli()
     except InputError as error:
         _stop(str(error))
     except OSError as error:
         _stop(sentence_of(error))
+    except MemoryError:
+        _stop("there is not enough memory; close other programs or use smaller pictures")
     except ModuleNotFoundError as error:
+        if error.name == EXTENSION:
+            _stop(MISSING)
         if (missing := missing_extra(error)) is error:
             raise
         _stop(str(missing))
-    except MemoryError:
-        _stop("there is not enough memory; close other programs or use smaller pictures")
 
 
 def _stop(sentence: str) -> None:

@@ -1,6 +1,6 @@
 """Colour of foreground surfaces under SH light (paper, Sec. 4.2). Plain torch: the reference.
 
-Rendering uses csrc/shade.h, which is held against this module (tests/gaussians/test_splats.py).
+Rendering uses csrc/shade.h, which is held against this module (tests/rendering/test_splats.py).
 """
 
 from math import pi

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import torch
 
+from r3gw.evaluation.evaluated_scene import scored_pixels
 from r3gw.evaluation.metrics import EROSION_PX
 from r3gw.evaluation.protocols.published import published_turn_rad
-from r3gw.evaluation.trained_scene import scored_pixels
 from r3gw.files import InputError
 from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import UP, pixel_rays
