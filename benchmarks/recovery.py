@@ -81,7 +81,7 @@ def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> Eva
         [photo.seen_sky for photo in photos],
         light_model,
     )
-    model, _ = train(model, photos, settings)
+    model = train(model, photos, settings).model
     return EvaluatedScene(model, scene, scene_folder, masks_folder)
 
 

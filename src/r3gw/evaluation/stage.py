@@ -6,7 +6,6 @@ record also stands alone in images/<protocol>/<view>.json, with the run that it 
 cost.json holds what was measured with a clock; all other files are the same for the same model.
 """
 
-import json
 import shutil
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from r3gw.evaluation.gallery import write_gallery
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
 from r3gw.evaluation.protocols.registry import PROTOCOLS
 from r3gw.files import InputError, write_json
+from r3gw.files.strict import read_json
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_picture
@@ -77,8 +77,7 @@ def evaluate_run(
 def _read_run(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise InputError(f"{path}: no such file; train the scene again")
-    run: dict[str, Any] = json.loads(path.read_text())
-    return run
+    return read_json(path)
 
 
 def _protocol_records(evaluated: EvaluatedScene, folder: Path, scene: str) -> list[dict[str, Any]]:
