@@ -1,11 +1,12 @@
 # make all   install into .venv, then regenerate results/table1.csv on the embedded benchmark
 # make test  install with the test extra, then linters, type checker and the test suite
+# make test-quick  the tests that are not marked slow: for every edit, about a minute
 PYTHON ?= python3.11
 CORES ?= 2
 BIN := .venv/bin
 SOURCES := pyproject.toml setup.py $(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
-.PHONY: all ablations test lint sanitize clean
+.PHONY: all ablations test test-quick lint sanitize clean
 
 all: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) all
@@ -15,6 +16,9 @@ ablations: .venv/installed
 
 test: .venv/installed-test lint
 	$(BIN)/python -m pytest
+
+test-quick: .venv/installed-test
+	$(BIN)/python -m pytest -m "not slow"
 
 lint: .venv/installed-test
 	$(BIN)/ruff check .

@@ -21,8 +21,8 @@ import pycolmap
 from r3gw.files import atomic_path
 from r3gw.files.provenance import peak_rss_mb
 from r3gw.imaging.files import write_image
-from r3gw.importing import import_scene
 from r3gw.importing.settings import ColmapScene
+from r3gw.importing.stage import import_scene
 
 TARGET = Path("results/benchmarks/import_memory.csv")
 SIZES = ((1600, 1200), (4000, 3000))

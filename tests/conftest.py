@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import torch
 
-pytest_plugins = ["support.tiny"]
+pytest_plugins = ["support.small_model", "support.tiny"]
 
 
 @pytest.fixture(scope="session")

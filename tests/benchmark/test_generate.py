@@ -10,7 +10,7 @@ import pycolmap
 import pytest
 import torch
 
-from r3gw.benchmark import SCENES, generate
+from r3gw.benchmark.generate import SCENES, generate
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.imaging.files import read_linear, read_rgb

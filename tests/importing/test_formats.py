@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from support import formats
 
-from r3gw.benchmark import generate
+from r3gw.benchmark.generate import generate
 from r3gw.imaging.files import read_labels
-from r3gw.importing import import_scene
 from r3gw.importing.readers import nerf_osr_original
 from r3gw.importing.readers.nerf_osr import read_layout_a
 from r3gw.importing.settings import ColmapScene, NerfOsrOriginalScene, NerfOsrScene, NerfstudioScene
+from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
 GIVEN = {"path": ".", "extent": None, "up": "given", "sky_masks": "given"}

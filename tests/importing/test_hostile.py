@@ -9,8 +9,8 @@ import pytest
 from support import formats, nerf_osr_layout
 
 from r3gw.files import InputError
-from r3gw.importing import import_scene
 from r3gw.importing.settings import ColmapScene, NerfOsrOriginalScene, NerfstudioScene
+from r3gw.importing.stage import import_scene
 
 STEM = nerf_osr_layout.STEMS[0]
 

@@ -6,8 +6,8 @@ import pytest
 import torch
 from support import nerf_osr_layout
 
-from r3gw.importing import import_scene
 from r3gw.importing.settings import ColmapScene
+from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
 

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from r3gw.masks import segment_sky
+from r3gw.masks.classical import segment_sky
 
 
 def made_photo(sky_rgb, wall_rgb, size=(300, 400), seed=0):

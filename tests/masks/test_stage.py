@@ -9,10 +9,11 @@ from support import nerf_osr_layout
 from r3gw.files import InputError
 from r3gw.files.strict import validated
 from r3gw.imaging.files import read_grey, write_image
-from r3gw.importing import import_scene
 from r3gw.importing.settings import NerfOsrScene
-from r3gw.masks import load_masks, make_masks
+from r3gw.importing.stage import import_scene
+from r3gw.masks.folder import load_masks
 from r3gw.masks.settings import MaskSources
+from r3gw.masks.stage import make_masks
 
 GIVEN = MaskSources(sky_masks="given")
 ROWS, COLUMNS = np.mgrid[:48, :64]

@@ -19,6 +19,8 @@ from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.lighting import envmap, sh
 from r3gw.rendering.cook_torrance import diffuse, specular
 
+pytestmark = pytest.mark.slow
+
 SIZE, FOCAL, DISTANCE = 24, 60.0, 6.0
 ALBEDO = (0.6, 0.4, 0.2)
 SAMPLES = 400

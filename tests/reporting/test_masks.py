@@ -4,10 +4,10 @@ import numpy as np
 from support import nerf_osr_layout
 
 from r3gw.imaging.files import read_rgb
-from r3gw.importing import import_scene
 from r3gw.importing.settings import NerfOsrScene
-from r3gw.masks import make_masks
+from r3gw.importing.stage import import_scene
 from r3gw.masks.settings import MaskSources
+from r3gw.masks.stage import make_masks
 from r3gw.reporting.figures.masks import mask_sheet, overlay
 
 

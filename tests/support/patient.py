@@ -2,10 +2,10 @@
 
 import yaml
 
-from r3gw.importing import import_scene
 from r3gw.importing.settings import NerfOsrScene
-from r3gw.masks import make_masks
+from r3gw.importing.stage import import_scene
 from r3gw.masks.settings import MaskSources
+from r3gw.masks.stage import make_masks
 from r3gw.model.stage import run_initialise
 from r3gw.pipeline.config import Config, run_settings
 from r3gw.pipeline.doctor.doctor import examine

@@ -16,10 +16,10 @@ from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
 from r3gw.model.initial import initial_points
 from r3gw.model.model import SceneModel, initial_model, save_model
-from r3gw.model.settings import load_train_settings
 from r3gw.rendering.compose import render
 from r3gw.scene import EvaluationEntry, GroundTruth, Scene, View, load_scene, save_scene
 from r3gw.scene.scene import Gauge
+from support.settings import train_settings
 
 SIZE = (48, 32)
 TRAIN = ("a_0", "a_1")
@@ -55,7 +55,7 @@ class Tiny:
 
 
 @pytest.fixture(scope="session")
-def tiny(tmp_path_factory, repository) -> Tiny:
+def tiny(tmp_path_factory) -> Tiny:
     """Two training views, one test view of each protocol; a bumpy wall under a sky."""
     folder = tmp_path_factory.mktemp("tiny")
     views = {name: _view(name, 0.3 * i) for i, name in enumerate((*TRAIN, EXACT, SWEPT))}
@@ -66,7 +66,7 @@ def tiny(tmp_path_factory, repository) -> Tiny:
         scene_from_source=Gauge.of(Similarity.identity()),
     )
     save_scene(scene, folder)
-    model = _model([view.camera for view in scene.views], repository)
+    model = _model([view.camera for view in scene.views])
     (folder / "run").mkdir()
     save_model(model, folder / "run" / "model.pt")
     write_json(folder / "run" / "run.json", RUN)
@@ -109,12 +109,12 @@ def _view(name: str, shift: float) -> View:
     )
 
 
-def _model(cameras, repository: Path) -> SceneModel:
+def _model(cameras) -> SceneModel:
     """A wall of Gaussians with varied normals and albedo in the picture's lower two thirds."""
     generator = torch.Generator().manual_seed(0)
     x, y = torch.meshgrid(torch.linspace(-4, 4, 41), torch.linspace(-0.6, 3, 19), indexing="xy")
     xyz = torch.stack([x, y, torch.full_like(x, 6.0)], -1).reshape(-1, 3)
-    settings = load_train_settings(repository / "config" / "train.yaml")
+    settings = train_settings()
     sky = settings.sky.model_copy(update={"min_count": 400, "max_count": 400})
     initial = initial_points(xyz, cameras, sky, seed=0)
     model = initial_model(initial, TRAIN, settings)

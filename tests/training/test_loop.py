@@ -3,9 +3,9 @@
 import pandas as pd
 import pytest
 import torch
+from support.settings import train_settings
 
 from r3gw.files import InputError
-from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
 from r3gw.model.model import initial_model, save_model
@@ -17,12 +17,13 @@ from r3gw.training.state import Checkpoints, first_state
 
 
 @pytest.fixture
-def settings(repository) -> TrainSettings:
-    values = read_yaml(repository / "config/train.yaml")
-    values |= {"iterations": 80, "seed": 5}
-    values["rates"]["short_run_boost"] = 5.0
-    values["density"] |= {"reset_interval": None, "max_gaussians": 600}
-    return TrainSettings.model_validate(values)
+def settings() -> TrainSettings:
+    return train_settings(
+        iterations=80,
+        seed=5,
+        rates={"short_run_boost": 5.0},
+        density={"reset_interval": None, "max_gaussians": 600},
+    )
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ from math import pi, sqrt
 
 import pytest
 import torch
+from support.settings import train_settings
 
-from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
 from r3gw.model.model import initial_model
@@ -22,10 +22,8 @@ WIDTH, HEIGHT = 32, 24
 
 
 @pytest.fixture
-def settings(repository) -> TrainSettings:
-    values = read_yaml(repository / "config/train.yaml")
-    values["outdoor"] |= {"enabled": True, "visible_sky": 2.0, "sky_gradient": 0.5}
-    return TrainSettings.model_validate(values)
+def settings() -> TrainSettings:
+    return train_settings(outdoor={"enabled": True, "visible_sky": 2.0, "sky_gradient": 0.5})
 
 
 @pytest.fixture

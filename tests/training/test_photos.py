@@ -8,10 +8,10 @@ import torch
 from support import nerf_osr_layout
 
 from r3gw.imaging.files import write_image
-from r3gw.importing import import_scene
 from r3gw.importing.settings import NerfOsrScene
-from r3gw.masks import make_masks
+from r3gw.importing.stage import import_scene
 from r3gw.masks.settings import MaskSources
+from r3gw.masks.stage import make_masks
 from r3gw.scene import load_scene, save_scene
 from r3gw.training.photos import load_photos
 
@@ -19,7 +19,7 @@ SIZE = (896, 1200)
 PEAK = """
 import sys
 from pathlib import Path
-from r3gw.masks import make_masks
+from r3gw.masks.stage import make_masks
 from r3gw.scene import load_scene
 from r3gw.masks.settings import MaskSources
 from r3gw.training.photos import load_photos

@@ -2,12 +2,11 @@
 
 import pytest
 import torch
+from support.settings import train_settings
 
-from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
 from r3gw.model.model import SceneModel, initial_model
-from r3gw.model.settings import TrainSettings
 from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.rendering.compose import draw
 from r3gw.rendering.splats import splats_of
@@ -21,17 +20,18 @@ WEIGHT, SOLID = 0.7, 0.3
 
 
 @pytest.fixture
-def model(repository) -> SceneModel:
+def model() -> SceneModel:
     """Half-transparent foreground before a dome, a silhouette instead of Eq. 15."""
-    values = read_yaml(repository / "config/train.yaml")
-    values["silhouette"] |= {"enabled": True, "solid": SOLID}
-    values["weights"] |= {"separation": WEIGHT}
-    values["init"] |= {"opacity": 0.4}
+    settings = train_settings(
+        silhouette={"enabled": True, "solid": SOLID},
+        weights={"separation": WEIGHT},
+        init={"opacity": 0.4},
+    )
     generator = torch.Generator().manual_seed(0)
     points = torch.randn(80, 3, generator=generator) + torch.tensor([0.0, 0.0, 4.0])
     dome = SkyDome(torch.tensor([0.0, 0.0, 4.0]), 9.0, (-1.5, 1.5))
     initial = InitialPoints(points, dome, sample_dome(dome, 60, generator))
-    made = initial_model(initial, ("a",), TrainSettings.model_validate(values))
+    made = initial_model(initial, ("a",), settings)
     scales = made.foreground["log_scales"].data  # balls at first, which turning does not change
     scales += 0.5 * torch.randn(scales.shape, generator=generator)
     return made

@@ -1,6 +1,9 @@
 """The doctor is the first rule of `all`, and what it refuses does not start."""
 
+import pytest
 from support.tiny_workflow import CONFIG, snakemake, started
+
+pytestmark = pytest.mark.slow
 
 
 def test_doctor_looked_before_the_training(finished):

@@ -3,6 +3,8 @@
 import pytest
 from support.tiny_workflow import CONFIG, TWO, edited, planned, planned_jobs, scenes_of
 
+pytestmark = pytest.mark.slow
+
 
 def test_second_run_does_nothing(finished):
     assert planned(finished, "all") == set()

@@ -7,6 +7,8 @@ from support.tiny_workflow import CONFIG, planned, snakemake
 
 from r3gw.files.strict import read_yaml
 
+pytestmark = pytest.mark.slow
+
 STUDY = CONFIG | {
     "study": {
         "baseline": "full",

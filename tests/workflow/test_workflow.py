@@ -10,6 +10,8 @@ from r3gw.files.strict import read_yaml
 from r3gw.pipeline.config import load_config
 from r3gw.reporting.figures.kinds import PICTURES, PLOTS
 
+pytestmark = pytest.mark.slow
+
 
 def test_table_holds_finite_figures(finished):
     table = pd.read_csv(finished / "results/table1.csv")

@@ -1,7 +1,8 @@
 """Mitsuba scenes: photos lit by an environment map, and ground truth at pixel centres.
 
 Rendering runs on one thread: film blocks overlap by the reconstruction filter, and their sum must
-not depend on the order in which threads finish.
+not depend on the order in which threads finish. Importing this module selects Mitsuba's variant
+`scalar_rgb`, the one that needs no LLVM.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,8 @@ from r3gw.benchmark.cameras import WORLD_FROM_BUILDING
 from r3gw.benchmark.materials import Kind, Material, bsdf
 from r3gw.benchmark.meshes import Part, join
 from r3gw.geometry.cameras import Camera
+
+mi.set_variant("scalar_rgb")
 
 Image = NDArray[np.float32]
 

@@ -15,7 +15,7 @@ SOURCE = click.Path(path_type=Path)
 @click.option("--target", type=FOLDER, required=True, help="Folder to write (layout A).")
 def generate(entry: str, target: Path) -> None:
     """Render a scene of the embedded benchmark: photos, masks, SfM model, ground truth."""
-    from r3gw.benchmark import generate as run
+    from r3gw.benchmark.generate import generate as run
     from r3gw.importing.settings import SyntheticScene
 
     scene = validated(SyntheticScene, json_object(entry, "--entry"), "--entry")
@@ -44,8 +44,8 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
     The format is in the entry: nerf-osr, nerf-osr-original, colmap, nerfstudio or photos
     (config/README.md). Missing files are named before anything is read.
     """
-    from r3gw.importing import import_scene as run
     from r3gw.importing.settings import parse_scene
+    from r3gw.importing.stage import import_scene as run
 
     settings = parse_scene(json_object(entry, "--entry"), f"scene '{scene}'")
     run(scene, settings, source, target, num_threads=threads)
@@ -57,8 +57,8 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
 @click.option("--sources", required=True, help="Where masks come from, as JSON: the entry's keys.")
 def masks(scene: Path, target: Path, sources: str) -> None:
     """Check given masks and make missing ones."""
-    from r3gw.masks import make_masks
     from r3gw.masks.settings import MaskSources
+    from r3gw.masks.stage import make_masks
 
     make_masks(
         scene, target, validated(MaskSources, json_object(sources, "--sources"), "--sources")

@@ -14,7 +14,7 @@ from r3gw.imaging.files import read_rgb
 from r3gw.imaging.masks import read_mask
 from r3gw.lighting import envmap
 from r3gw.lighting.maps import light_of_map
-from r3gw.masks import load_masks
+from r3gw.masks.folder import load_masks
 from r3gw.model.model import SceneModel
 from r3gw.rendering.compose import render
 from r3gw.scene import GroundTruth, Scene, View

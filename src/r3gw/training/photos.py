@@ -11,7 +11,7 @@ from torch import Tensor
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_rgb
-from r3gw.masks import load_masks
+from r3gw.masks.folder import load_masks
 from r3gw.scene import Scene, View
 from r3gw.training.visible_sky import VisibleSky, visible_sky
 

@@ -7,8 +7,8 @@ from support import nerf_osr_layout
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_grey, read_rgb
-from r3gw.importing import import_scene
 from r3gw.importing.settings import NerfOsrScene
+from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points, load_scene
 
 

@@ -15,12 +15,14 @@ from support.made_up_place import SIZE, place_photo
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_grey, read_rgb
-from r3gw.importing import import_scene
 from r3gw.importing.readers.colmap_model import from_reconstruction
 from r3gw.importing.reconstruction.registration import Mapped, registration_report
 from r3gw.importing.settings import PhotosScene
 from r3gw.importing.source import SourceScene, SourceView
+from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
+
+pytestmark = pytest.mark.slow
 
 MASKS = {"is_valid": "masks", "is_sky": "sky_masks"}
 PATTERNS = {  # white of row and column, at full size

@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 from support.made_up_place import FOCAL_PX, PLANES, SIZE, place_photo
 
 from r3gw.files import InputError
-from r3gw.importing import import_scene
 from r3gw.importing.settings import NerfOsrOriginalScene
+from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
 

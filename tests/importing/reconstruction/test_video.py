@@ -8,9 +8,9 @@ from support.made_up_place import FOCAL_PX, SIZE, place_photo
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
-from r3gw.importing import import_scene
 from r3gw.importing.reconstruction.video import extract_frames
 from r3gw.importing.settings import PhotosScene
+from r3gw.importing.stage import import_scene
 
 
 def write_video(path, frames):

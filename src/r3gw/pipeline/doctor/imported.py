@@ -19,7 +19,7 @@ from r3gw.geometry.cameras import UP, pixel_rays
 from r3gw.importing.gauge import roll_deg
 from r3gw.importing.named_files import listed
 from r3gw.lighting.envmap import read_env_map
-from r3gw.masks import load_masks
+from r3gw.masks.folder import load_masks
 from r3gw.pipeline.doctor.findings import Findings
 from r3gw.scene import Scene, View, load_points
 from r3gw.training.photos import read_photo

@@ -14,7 +14,7 @@ from r3gw.evaluation.decomposition import scale_per_channel, sky_band
 from r3gw.imaging.colour import GAMMA, display_array_from_linear
 from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.imaging.pictures import bytes_from_display, normal_picture
-from r3gw.masks import load_masks
+from r3gw.masks.folder import load_masks
 from r3gw.reporting.figures.evaluated import Evaluated
 from r3gw.reporting.figures.style import Cell, Scale, picture_grid
 from r3gw.reporting.figures.truth import depth_scale

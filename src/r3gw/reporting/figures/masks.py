@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from r3gw.imaging.files import read_rgb
-from r3gw.masks import load_masks
+from r3gw.masks.folder import load_masks
 from r3gw.reporting.figures.style import Cell, look, picture_grid, save
 from r3gw.scene import View, load_scene
 

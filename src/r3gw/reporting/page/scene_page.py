@@ -13,7 +13,7 @@ from r3gw.evaluation.gallery import THUMBNAIL_PX, light_picture
 from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
 from r3gw.lighting import envmap
-from r3gw.masks import load_masks
+from r3gw.masks.folder import load_masks
 from r3gw.reporting.figures.evaluated import Evaluated, read_run
 from r3gw.reporting.figures.plots import sweep_plot, training_plot
 from r3gw.reporting.figures.points import initial_figure, sfm_figure

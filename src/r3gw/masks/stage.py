@@ -1,25 +1,20 @@
-"""The mask folder: is_valid/, is_sky/ and masks.json, white = True; who writes and reads it."""
+"""The mask stage: both masks of every photo of an imported scene, from wherever they come."""
 
 import logging
 import shutil
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from r3gw.files import write_json
 from r3gw.imaging.files import write_image
-from r3gw.imaging.masks import read_mask
 from r3gw.masks.checks import MaskFacts, check_photo, check_scene, sky_facts
+from r3gw.masks.folder import KINDS
 from r3gw.masks.settings import MaskSources
 from r3gw.masks.sources import MaskReader
-from r3gw.scene import View, load_scene
-
-Mask = NDArray[np.bool_]
+from r3gw.scene import load_scene
 
 _LOG = logging.getLogger(__name__)
-_KINDS = ("is_valid", "is_sky")
 
 
 def make_masks(scene_folder: Path, target: Path, sources: MaskSources) -> None:
@@ -40,7 +35,7 @@ def make_masks(scene_folder: Path, target: Path, sources: MaskSources) -> None:
     """
     scene = load_scene(scene_folder)
     (target / "masks.json").unlink(missing_ok=True)
-    for kind in _KINDS:
+    for kind in KINDS:
         shutil.rmtree(target / kind, ignore_errors=True)
     reader = MaskReader(scene_folder, sources)
     sky: dict[str, MaskFacts] = {}
@@ -52,7 +47,7 @@ def make_masks(scene_folder: Path, target: Path, sources: MaskSources) -> None:
         sky[view.name] = sky_facts(is_sky, sky_from)
         valid[view.name] = MaskFacts(valid_from, float(is_valid.mean()))
         warnings += check_photo(view.name, sky[view.name], valid[view.name])
-        for kind, mask in zip(_KINDS, (is_valid, is_sky), strict=True):
+        for kind, mask in zip(KINDS, (is_valid, is_sky), strict=True):
             write_image(target / kind / f"{view.name}.png", mask)
     warnings += check_scene(sky, valid)
     for warning in warnings:
@@ -63,15 +58,3 @@ def make_masks(scene_folder: Path, target: Path, sources: MaskSources) -> None:
     }
     record = {"sources": sources.model_dump(mode="json"), "views": views, "warnings": warnings}
     write_json(target / "masks.json", record)
-
-
-def load_masks(folder: Path, view: View) -> tuple[Mask, Mask]:
-    """Read ``(is_valid, is_sky)``, each ``[H, W]``, of one view from a mask folder.
-
-    Raises:
-        InputError: If a mask is missing or of another size than the view's photo.
-    """
-    is_valid, is_sky = (
-        read_mask(folder / kind / f"{view.name}.png", view.width, view.height) for kind in _KINDS
-    )
-    return is_valid, is_sky

@@ -1,22 +1,20 @@
-"""A small model in front of a camera, shared by the tests of r3gw.model."""
-
-from pathlib import Path
+"""A small model before a camera: fixtures for the tests of model, rendering and training."""
 
 import pytest
 import torch
 
-from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
 from r3gw.model.model import SceneModel, initial_model
 from r3gw.model.settings import TrainSettings
 from r3gw.model.sky import SkyDome, sample_dome
+from support.settings import train_settings
 
 
 @pytest.fixture
-def settings(repository: Path) -> TrainSettings:
+def settings() -> TrainSettings:
     """The paper's settings."""
-    return TrainSettings.model_validate(read_yaml(repository / "config/train.yaml"))
+    return train_settings()
 
 
 @pytest.fixture
