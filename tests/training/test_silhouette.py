@@ -1,4 +1,4 @@
-"""The silhouette in place of Eq. 15: the kernel's loss and gradients against the plain one."""
+"""The silhouette in place of Eq. 15: what training minimises, against opacity drawn as a colour."""
 
 import pytest
 import torch
@@ -55,7 +55,7 @@ def separation(model: SceneModel, photo: Photo) -> tuple[torch.Tensor, float]:
     schedule = Schedule.of(model.settings)
     assert schedule.warm_up >= 1
     _, loss, parts = objective(model, photo, 0, 1, schedule, torch.Generator().manual_seed(0))
-    return loss, parts["separation"]
+    return loss, parts["silhouette"]
 
 
 def plain(model: SceneModel, photo: Photo) -> torch.Tensor:

@@ -8,11 +8,11 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.lighting import outdoor, sh
 from r3gw.model.outdoor import OpenSky, OutdoorLight
 from r3gw.model.settings import ModelSettings
 from r3gw.model.sky import SKY_DEGREE
+from r3gw.native import kernels, ops
 
 # Factor on the last layers' first weights: all photos start with nearly the same, uniform light.
 FIRST_VARIATION = 0.1
@@ -100,26 +100,28 @@ class Appearance(nn.Module):
 
     def forward(self, photo: int) -> PhotoLight:
         """What lights one training photo, without noise."""
-        layers, dropout, factors = self._linear_layers, self._dropout, None
-        if self.training and dropout.p > 0:
-            factors = dropout(torch.ones_like(layers[0].bias))
-        light: Tensor
-        light, sky = torch.ops.r3gw.appearance(
-            self.embedding,
-            self.rows[photo],
-            factors,
-            [layer.weight for layer in layers],
-            [layer.bias for layer in layers],
-        )
+        light, sky = self._coefficients(self.rows[photo])
         exposure = 1.0 if self.log_exposure is None else self.log_exposure[photo].exp()
         if self.outdoor is not None:
             light, open_sky = self.outdoor(self.rows[photo], light, exposure)
             return PhotoLight(light, sky, open_sky)
         return PhotoLight(light if self.log_exposure is None else light * exposure, sky, None)
 
+    def _coefficients(self, row: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
+        """What the MLP makes of a row of the embedding: light and sky, by a kernel or plainly."""
+        layers, dropout, factors = self._linear_layers, self._dropout, None
+        if not kernels.take("appearance", self.embedding):
+            features = self.trunk(self.embedding[row])
+            light, sky = self.light_head(features), self.sky_head(features)
+            return light.view(-1, 3), sky.view(-1, 3)
+        if self.training and dropout.p > 0:
+            factors = dropout(torch.ones_like(layers[0].bias))
+        weights, biases = [layer.weight for layer in layers], [layer.bias for layer in layers]
+        return ops.appearance(self.embedding, row, factors, weights, biases)
+
     def noisy(
         self, light: Float[Tensor, "coeff 3"], generator: torch.Generator
     ) -> Float[Tensor, "coeff 3"]:
         """Add the training noise to light coefficients."""
         noise = torch.randn(light.shape, generator=generator)
-        return torch.add(light, noise, alpha=self.light_noise)
+        return torch.add(light, noise.to(light), alpha=self.light_noise)

@@ -129,6 +129,7 @@ class TrainSettings(Strict):
 
     iterations: int = Field(ge=1)
     paper_iterations: int = Field(ge=1)
+    losses: Literal["fused", "plain"] = "fused"
     warm_up: int = Field(ge=0)
     geometry_losses_from: int = Field(ge=0)
     seed: int = Field(ge=0)

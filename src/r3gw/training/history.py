@@ -12,7 +12,6 @@ from r3gw.rendering.compose import Rendering
 from r3gw.training.photos import Photo
 
 ROWS = 200
-PARTS = ("reconstruction", "separation", "light", "ground", "normal", "scale", "sky_depth")
 
 
 class History:
@@ -45,7 +44,7 @@ class History:
         rendering: Rendering,
         parts: dict[str, float],
     ) -> dict[str, float | int]:
-        """Record one iteration and return its row; losses that do not act are 0."""
+        """Record one iteration and return its row, with the losses that act."""
         row: dict[str, float | int] = {
             "iteration": iteration,
             "seconds": self.seconds(),
@@ -55,15 +54,17 @@ class History:
             "num_sky": len(model.sky.rows),
             "sky_radius": float(model.sky.radius.detach()),
         }
-        for name in PARTS:
-            row[f"loss_{name}"] = parts.get(name, 0.0)
+        row |= {f"loss_{name}": part for name, part in parts.items()}
         self.rows.append(row)
         return row
 
     def write(self, path: Path) -> None:
-        """Write all rows as CSV, atomically."""
+        """Write all rows as CSV, atomically; losses that do not act in an iteration are 0."""
         with atomic_path(path) as temporary:
-            pd.DataFrame(self.rows).to_csv(temporary, index=False, float_format="%.6g")
+            table = pd.DataFrame(self.rows)
+            losses = [str(name) for name in table.columns if str(name).startswith("loss_")]
+            table = table.fillna(dict.fromkeys(losses, 0.0))
+            table.to_csv(temporary, index=False, float_format="%.6g")
 
 
 @torch.no_grad()

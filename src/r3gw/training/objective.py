@@ -6,14 +6,17 @@ from torch import Tensor
 
 from r3gw.model.model import SceneModel
 from r3gw.model.outdoor import OpenSky
-from r3gw.model.settings import OutdoorSettings, WeightSettings
+from r3gw.model.settings import OutdoorSettings, TrainSettings
+from r3gw.rendering.channels import Layers
 from r3gw.rendering.compose import Rendering, render
-from r3gw.training.losses.known_gradient import KnownLoss, sum_of
+from r3gw.training.losses import fused, plain
+from r3gw.training.losses.forms import FormName, LossForms, PictureWeights
 from r3gw.training.losses.lighting import random_directions, visible_sky_loss
-from r3gw.training.losses.picture import PictureWeights, picture_losses
-from r3gw.training.losses.regularisers import flatness_loss, positivity_loss, sky_depth_loss
+from r3gw.training.losses.weighted import Weighted, sum_of, value_of
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
+
+FORMS: dict[FormName, LossForms] = {"fused": fused, "plain": plain}
 
 
 def objective(
@@ -34,12 +37,14 @@ def objective(
         schedule: Says which losses act.
         generator: Light noise and positivity directions.
     """
-    weights = model.settings.weights
+    settings, weights = model.settings, model.settings.weights
+    losses = FORMS[settings.losses]
     light, sky_light, open_sky = model.appearance(index)
     noisy = model.appearance.noisy(light, generator)
-    rendering = render(model, photo.camera, noisy, sky_light)
-    acting = acting_weights(weights, schedule, iteration)
-    pixels = picture_losses(
+    layers = Layers.OPACITY if settings.silhouette.enabled else Layers.COLOUR
+    rendering = render(model, photo.camera, noisy, sky_light, layers)
+    acting = acting_weights(settings, schedule, iteration)
+    pixels = losses.picture(
         rendering.planes,
         rendering.alpha,
         photo.planes,
@@ -47,38 +52,34 @@ def objective(
         photo.is_sky,
         photo.camera,
         acting,
+        settings.silhouette.solid,
     )
-    known = [pixels.total]
-    separation = pixels.separation
-    if model.settings.silhouette.enabled:
-        separation += model.settings.silhouette.solid * photo.solid_share
-    parts = {"separation": acting.separation * separation}
+    weighted = [pixels.total]
+    separation = "silhouette" if settings.silhouette.enabled else "separation"
+    parts = {separation: getattr(acting, separation) * getattr(pixels, separation)}
     if iteration <= schedule.warm_up:
-        return rendering, sum_of(known), parts
+        return rendering, sum_of(weighted), parts
 
     parts["reconstruction"] = acting.l1 * pixels.l1 + acting.dissimilarity * pixels.dissimilarity
     parts["normal"] = acting.normal * pixels.normal
 
-    def add(name: str, loss: KnownLoss) -> None:
-        known.append(loss)
-        parts[name] = loss.value
+    def add(name: str, loss: Weighted) -> None:
+        weighted.append(loss)
+        parts[name] = value_of(loss)
 
     if open_sky is None:
         directions = random_directions(weights.light_directions, weights.light_domain, generator)
-        add("light", positivity_loss(light, directions, weights.light))
+        add("light", losses.positivity(light, directions.to(light), weights.light))
     splats, radii_px = rendering.splats, rendering.radii_px
     if weights.sky_depth > 0:
         num_foreground, gamma = len(model.foreground), weights.sky_depth_gamma
-        loss = sky_depth_loss(splats.depths, radii_px, num_foreground, gamma, weights.sky_depth)
-        add("sky_depth", loss)
+        depths, weight = splats.depths, weights.sky_depth
+        add("sky_depth", losses.sky_depth(depths, radii_px, num_foreground, gamma, weight))
     if iteration > schedule.geometry_losses_from:
-        add("scale", flatness_loss(splats.smallest_scales, radii_px, weights.scale))
-    total = sum_of(known)
+        add("scale", losses.flatness(splats.smallest_scales, radii_px, weights.scale))
     if open_sky is not None:
-        outdoor = open_sky_loss(open_sky, photo, model.settings.outdoor)
-        parts["light"] = float(outdoor.detach())
-        total = total + outdoor
-    return rendering, total, parts
+        add("light", open_sky_loss(open_sky, photo, settings.outdoor))
+    return rendering, sum_of(weighted), parts
 
 
 def open_sky_loss(open_sky: OpenSky, photo: Photo, settings: OutdoorSettings) -> Float[Tensor, ""]:
@@ -95,9 +96,14 @@ def open_sky_loss(open_sky: OpenSky, photo: Photo, settings: OutdoorSettings) ->
     )
 
 
-def acting_weights(weights: WeightSettings, schedule: Schedule, iteration: int) -> PictureWeights:
+def acting_weights(settings: TrainSettings, schedule: Schedule, iteration: int) -> PictureWeights:
     """Weights of a picture's losses at an iteration: warm-up knows the separation alone."""
+    weights = settings.weights
+    if settings.silhouette.enabled:
+        separating = PictureWeights(silhouette=weights.separation)
+    else:
+        separating = PictureWeights(separation=weights.separation)
     if iteration <= schedule.warm_up:
-        return PictureWeights(0.0, 0.0, 0.0, weights.separation)
+        return separating
     normal = weights.normal if iteration > schedule.geometry_losses_from else 0.0
-    return PictureWeights(1 - weights.ssim, weights.ssim, normal, weights.separation)
+    return separating._replace(l1=1 - weights.ssim, dissimilarity=weights.ssim, normal=normal)

@@ -8,12 +8,12 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.files import write_json
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
 from r3gw.model.initial import load_initial
 from r3gw.model.model import initial_model, light_rows, save_model
 from r3gw.model.settings import TrainSettings, load_train_settings
+from r3gw.native import ops
 from r3gw.scene import load_scene
 from r3gw.training.loop import train
 from r3gw.training.photos import Photo, load_photos
@@ -47,7 +47,7 @@ def run_training(
         InputError: If an input is missing or malformed, or training diverges.
     """
     torch.set_num_threads(num_threads)
-    torch.ops.r3gw.keep_freed_memory()
+    ops.keep_freed_memory()
     settings = load_train_settings(settings_path)
     imported = load_scene(scene_folder)
     photos = load_photos(imported, scene_folder, masks_folder)
