@@ -20,6 +20,8 @@ from r3gw.evaluation.decomposition import (
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import write_exr
 from r3gw.lighting import envmap
+from r3gw.lighting.light import Light
+from r3gw.lighting.skies import LearnedSky
 from r3gw.rendering.surfaces import apart, surfaces_of
 
 
@@ -55,7 +57,7 @@ def test_no_outline_no_band(value):
 def test_shares_add_up_to_the_picture(tiny):
     bench, view = tiny.bench, tiny.view("a_0")
     light, sky_light, _ = tiny.model.appearance(0)
-    whole = bench.render(view, light.detach(), sky_light.detach())
+    whole = bench.render(view, Light(light.detach(), LearnedSky(sky_light.detach())))
     foreground, sky = apart(tiny.model, view.camera, light.detach(), sky_light.detach())
     np.testing.assert_allclose(np.clip(foreground + sky, 0, 1), whole, rtol=0, atol=1e-5)
     assert foreground[:8].max() < 0.05

@@ -70,7 +70,9 @@ def test_cost_is_measured(tiny, tmp_path):
 
 def test_lights_are_those_of_the_model(tiny, tmp_path):
     evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path, num_threads=1)
-    lights = json.loads((tmp_path / "lights.json").read_text())
+    content = json.loads((tmp_path / "lights.json").read_text())
+    assert (content["format"], content["coordinates"]) == ("r3gw-lights", "scene")
+    lights = content["photos"]
     light, sky, _ = tiny.model.appearance(1)
     torch.testing.assert_close(torch.tensor(lights["a_1"]["light"]), light, rtol=1e-6, atol=1e-7)
     torch.testing.assert_close(torch.tensor(lights["a_1"]["sky"]), sky, rtol=1e-6, atol=1e-7)

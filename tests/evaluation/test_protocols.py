@@ -13,6 +13,7 @@ from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.masks import erode
 from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
+from r3gw.lighting.light import Light
 
 BEST_INDEX, SWEEP_RAD = 17, (-1.0, 1.5)
 
@@ -48,7 +49,7 @@ def test_the_linear_protocol_finds_angle_and_exposure(tiny, exposure):
     angle_rad = -1.0 + 2.5 * BEST_INDEX / 50
     directions = envmap.published_directions(16, 32, -1.6, angle_rad)
     light = exposure * envmap.project(linear, directions, 4)
-    picture = tiny.bench.render(view, light, None)
+    picture = tiny.bench.render(view, Light(light))
     write_image(tiny.folder / "images" / "linear.png", bytes_from_display(picture))
     photo = view.model_copy(update={"image": "images/linear.png"})
     figures = NerfOsrLinear().evaluate(tiny.bench, photo).figures

@@ -15,12 +15,12 @@ def place(tmp_path):
     return nerf_osr_layout.build(tmp_path / "place")
 
 
-def missing(place, **changes):
-    return missing_files(NerfOsrScene(format="nerf-osr", path=".", **changes), place.folder)
+def missing(place, given=(), **changes):
+    return missing_files(NerfOsrScene(format="nerf-osr", path=".", **changes), place.folder, given)
 
 
 def test_a_complete_scene_lacks_nothing(place):
-    assert missing(place, sky_masks="given", evaluated_views=[nerf_osr_layout.TEST_STEM]) == []
+    assert missing(place, ["is_sky"], evaluated_views=[nerf_osr_layout.TEST_STEM]) == []
 
 
 def test_every_missing_file_is_named(place):
@@ -29,7 +29,7 @@ def test_every_missing_file_is_named(place):
     (place.undistorted / "sky_masks" / f"{nerf_osr_layout.STEMS[2]}.png").unlink()
     (place.undistorted / "sparse" / "0" / "points3D.bin").unlink()
     shutil.rmtree(place.eval_files / "eval_mask")
-    assert missing(place, sky_masks="given") == [
+    assert missing(place, ["is_sky"]) == [
         "undistorted/sparse/0/{cameras,images,points3D}.bin or .txt",
         f"undistorted/images/{nerf_osr_layout.STEMS[0]}.jpg",
         f"undistorted/images/{nerf_osr_layout.STEMS[1]}.jpg",

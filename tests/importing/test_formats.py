@@ -12,7 +12,7 @@ from r3gw.importing.settings import ColmapScene, NerfOsrOriginalScene, NerfOsrSc
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
-GIVEN = {"path": ".", "extent": None, "up": "given", "sky_masks": "given"}
+GIVEN = {"path": ".", "extent": None, "up": "given"}
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def imported(settings, source, target):
 @pytest.fixture(scope="module")
 def expected(source):
     """The scene as layout A gives it."""
-    settings = NerfOsrScene(format="nerf-osr", path=".", sky_masks="given")
+    settings = NerfOsrScene(format="nerf-osr", path=".")
     return imported(settings, source, source.parent / "expected")
 
 

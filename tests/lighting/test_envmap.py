@@ -148,5 +148,5 @@ def test_map_errors_name_file_and_remedy(tmp_path):
         envmap.read_env_map(tmp_path / "square.png")
     with pytest.raises(InputError, match=r"missing\.exr: no such picture"):
         envmap.read_env_map(tmp_path / "missing.exr")
-    with pytest.raises(InputError, match=r"map\.tiff: environment maps are \.exr"):
-        envmap.read_env_map(tmp_path / "map.tiff")
+    with pytest.raises(InputError, match=r"map\.txt: environment maps are \.exr"):
+        envmap.read_env_map(tmp_path / "map.txt")

@@ -6,9 +6,9 @@ import pytest
 
 from r3gw.files import InputError
 from r3gw.files.strict import read_yaml
-from r3gw.importing.settings import parse_scene
 from r3gw.model.settings import load_train_settings
 from r3gw.pipeline.config import load_config, run_settings
+from r3gw.pipeline.scene_entry import parse_entry
 
 
 @pytest.fixture
@@ -65,11 +65,31 @@ def test_unknown_variant_lists_the_known(values, files):
         run_settings(load_config(values), "fuller", 0, **files)
 
 
-def test_scene_format_is_checked():
-    with pytest.raises(InputError, match="scene entry"):
-        parse_scene({"format": "nerf", "path": "x"}, "scene 'a'")
-    with pytest.raises(InputError, match="path"):
-        parse_scene({"format": "photos"}, "scene 'a'")
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ({"format": "nerf", "path": "x"}, "scene 'a': key 'format' has the value 'nerf'"),
+        ({"path": "x"}, "scene 'a': key 'format' is missing"),
+        ({"format": "photos"}, "scene 'a': key 'path' is missing"),
+        ({"format": "photos", "path": "x", "extend": 1}, "unknown key 'extend'; did you mean 'ext"),
+        ({"format": "photos", "path": "x", "sky_mask": "none"}, "did you mean 'sky_masks'?"),
+        ({"format": "photos", "path": "x", "network": {"model": "x"}}, "'network.sky' is missing"),
+    ],
+)
+def test_a_wrong_scene_entry_is_one_sentence_in_the_files_own_keys(entry, said):
+    with pytest.raises(InputError) as error:
+        parse_entry(entry, "scene 'a'")
+    assert said in str(error.value)
+
+
+def test_an_entry_keeps_its_keys_and_its_formats_defaults():
+    keys = {"format": "synthetic", "building": "chapel", "samples": 3, "valid_masks": "all"}
+    entry = parse_entry(keys, "scene 'a'")
+    assert (entry.masks.sky_masks, entry.masks.valid_masks) == ("given", "all")
+    assert entry.model_dump(mode="json").items() >= keys.items()
+    assert parse_entry(entry.model_dump(mode="json"), "again") == entry
+    photos = parse_entry({"format": "photos", "path": "x"}, "scene 'b'")
+    assert photos.masks.sky_masks == "given-or-labels-or-classical"
 
 
 def test_scientific_numbers_are_numbers(values, files):

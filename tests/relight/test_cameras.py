@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
-from r3gw.relight.cameras import CameraChoice, chosen_cameras, focus, orbited, path
+from r3gw.relight.cameras import CameraOptions, cameras_over_time, focus, orbited, path
 from r3gw.relight.sweep import Sweep
 from r3gw.scene import load_scene
 
@@ -118,11 +118,11 @@ def test_focus_is_where_axes_meet():
 
 def test_choices(tiny):
     scene, middle = load_scene(tiny.folder), torch.tensor([0.0, 0.0, 6.0])
-    still = chosen_cameras(scene, CameraChoice(("a_0",), width_px=96), middle, [0.0, 1.0])
+    still = cameras_over_time(scene, CameraOptions(("a_0",), width_px=96), middle, [0.0, 1.0])
     assert [(each.width, each.height) for each in still] == [(96, 64)] * 2
     assert still[0].intrinsics == (90.0, 90.0, 48.0, 32.0)
-    orbit = CameraChoice(("a_0",), Sweep((-20.0, 20.0)))
-    found = chosen_cameras(scene, orbit, middle, [0.0, 1.0])
+    orbit = CameraOptions(("a_0",), Sweep((-20.0, 20.0)))
+    found = cameras_over_time(scene, orbit, middle, [0.0, 1.0])
     assert found[0].centre[0] < found[1].centre[0]
     with pytest.raises(InputError, match="one view, but 2"):
-        chosen_cameras(scene, CameraChoice(("a_0", "a_1"), Sweep((0.0,))), middle, [0.0])
+        cameras_over_time(scene, CameraOptions(("a_0", "a_1"), Sweep((0.0,))), middle, [0.0])

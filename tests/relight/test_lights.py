@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import radians
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,46 +11,45 @@ from r3gw.files import InputError
 from r3gw.imaging.files import write_exr
 from r3gw.lighting import envmap
 from r3gw.lighting.irradiance import irradiance
+from r3gw.lighting.skies import MapSky
 from r3gw.relight import tone
-from r3gw.relight.lights import LightChoice, SunChoice, lighting
-from r3gw.relight.picture import EnvMap
-from r3gw.relight.scene import relightable_of
+from r3gw.relight.gaussians import relightable_of
+from r3gw.relight.lights import LightOptions, MapSource, PhotoSource, SunSource, light_over_time
 from r3gw.relight.sweep import Sweep
-
-ORIGIN = Path("model.pt")
 
 
 def test_blend_ends_at_the_two_lights(tiny):
-    splats = relightable_of(tiny.model)
-    choice = LightChoice(photos=("a_0", "a_1"), blend=Sweep((0.0, 1.0)))
-    at = lighting(splats, choice, ORIGIN)
-    for share, photo in ((0.0, "a_0"), (1.0, "a_1")):
-        light, sky = splats.lights[photo]
-        torch.testing.assert_close(at(share).light, light, rtol=0, atol=0)
-        torch.testing.assert_close(at(share).sky_light, sky, rtol=0, atol=0)
-    half = 0.5 * (splats.lights["a_0"][0] + splats.lights["a_1"][0])
-    torch.testing.assert_close(at(0.5).light, half, rtol=1e-6, atol=1e-6)
+    gaussians = relightable_of(tiny.model)
+    options = LightOptions(PhotoSource(("a_0", "a_1"), Sweep((0.0, 1.0))))
+    at = light_over_time(gaussians, options)
+    for time, photo in ((0.0, "a_0"), (1.0, "a_1")):
+        expected, found = gaussians.lights[photo], at(time)
+        torch.testing.assert_close(found.sh, expected.sh, rtol=0, atol=0)
+        torch.testing.assert_close(
+            found.sky_coefficients, expected.sky_coefficients, rtol=0, atol=0
+        )
+    half = 0.5 * (gaussians.lights["a_0"].sh + gaussians.lights["a_1"].sh)
+    torch.testing.assert_close(at(0.5).sh, half, rtol=1e-6, atol=1e-6)
 
 
 def test_yaw_is_the_map_rolled(tiny, tmp_path):
     env_map = np.random.default_rng(0).random((16, 32, 3), dtype=np.float32)
     write_exr(tmp_path / "map.exr", env_map)
     write_exr(tmp_path / "rolled.exr", np.roll(env_map, 8, axis=1))  # a quarter to the right
-    splats = relightable_of(tiny.model)
-    turned = lighting(
-        splats, LightChoice(env_map=tmp_path / "map.exr", yaw_deg=Sweep((90.0,))), ORIGIN
-    )(0.0)
-    rolled = lighting(splats, LightChoice(env_map=tmp_path / "rolled.exr"), ORIGIN)(0.0)
-    torch.testing.assert_close(turned.light, rolled.light, rtol=1e-5, atol=1e-5)
+    gaussians = relightable_of(tiny.model)
+    options = LightOptions(MapSource(tmp_path / "map.exr"), yaw_deg=Sweep((90.0,)))
+    turned = light_over_time(gaussians, options)(0.0)
+    rolled = light_over_time(gaussians, LightOptions(MapSource(tmp_path / "rolled.exr")))(0.0)
+    torch.testing.assert_close(turned.sh, rolled.sh, rtol=1e-5, atol=1e-5)
     looks = torch.nn.functional.normalize(torch.randn(3000, 3), dim=-1)
-    seen, expected = (s.sky(looks, tone.scene_linear) for s in (turned, rolled))
+    seen, expected = (s.sky.radiance(looks) for s in (turned, rolled))
     torch.testing.assert_close(seen, expected, rtol=0, atol=1e-3)
 
 
 def test_a_map_shows_each_pixel_in_its_direction():
     env_map = torch.rand(16, 32, 3, generator=torch.Generator().manual_seed(0))
     looks = envmap.pixel_directions(16, 32).float()
-    torch.testing.assert_close(EnvMap.of(env_map).seen(looks), env_map, rtol=0, atol=1e-4)
+    torch.testing.assert_close(MapSky(env_map).radiance(looks), env_map, rtol=0, atol=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -64,27 +62,27 @@ def test_a_map_shows_each_pixel_in_its_direction():
     ],
 )
 def test_the_sun_stands_where_asked(tiny, elevation, azimuth, towards):
-    sun = SunChoice(Sweep((elevation,)), Sweep((azimuth,)))
-    shown = lighting(relightable_of(tiny.model), LightChoice(sun=sun), ORIGIN)(0.0)
+    sun = SunSource(Sweep((elevation,)), Sweep((azimuth,)))
+    light = light_over_time(relightable_of(tiny.model), LightOptions(sun))(0.0)
     looks = torch.nn.functional.normalize(
         torch.randn(40000, 3, generator=torch.Generator().manual_seed(0)), dim=-1
     )
-    brightest = looks[shown.sky(looks, tone.scene_linear).sum(-1).argmax()]
+    brightest = looks[light.sky.radiance(looks).sum(-1).argmax()]
     assert float(brightest @ torch.tensor(towards)) > np.cos(radians(4.0))
     # Surfaces that face the sun receive the most; the blue sky draws a low sun's peak upwards.
-    warmest = looks[irradiance(shown.light, looks)[:, 0].argmax()]
+    warmest = looks[irradiance(light.sh, looks)[:, 0].argmax()]
     assert float(warmest @ torch.tensor(towards)) > np.cos(radians(35.0))
 
 
 def test_auto_exposure_gives_the_learned_strength(tiny):
-    splats = relightable_of(tiny.model)
-    sun = SunChoice(Sweep((5.0, 60.0, 5.0)), Sweep((90.0, 270.0)))
-    at = lighting(splats, LightChoice(sun=sun), ORIGIN)
-    learned = torch.stack([light[0].mean() for light, _ in splats.lights.values()]).median()
-    torch.testing.assert_close(at(0.5).light[0].mean(), learned, rtol=1e-5, atol=0)
-    assert at(0.0).light[0].mean() < 0.7 * learned  # mornings are darker
+    gaussians = relightable_of(tiny.model)
+    sun = SunSource(Sweep((5.0, 60.0, 5.0)), Sweep((90.0, 270.0)))
+    at = light_over_time(gaussians, LightOptions(sun))
+    learned = torch.stack([light.sh[0].mean() for light in gaussians.lights.values()]).median()
+    torch.testing.assert_close(at(0.5).sh[0].mean(), learned, rtol=1e-5, atol=0)
+    assert at(0.0).sh[0].mean() < 0.7 * learned  # mornings are darker
     with pytest.raises(InputError, match="give a factor"):
-        lighting(replace(splats, lights={}), LightChoice(sun=sun, exposure="auto"), ORIGIN)
+        light_over_time(replace(gaussians, lights={}), LightOptions(sun, exposure="auto"))
 
 
 def test_tone_curves_by_hand():

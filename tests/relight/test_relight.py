@@ -1,4 +1,4 @@
-"""r3gw.relighting: against the training's renderer and photos; films; what is refused."""
+"""r3gw.relight: against the training's renderer and photos; films; what is refused."""
 
 from copy import deepcopy
 
@@ -13,29 +13,30 @@ from r3gw.imaging.files import read_linear, read_rgb, write_exr
 from r3gw.lighting import sh
 from r3gw.model.lights import photo_light
 from r3gw.model.rows import OCCLUSION
-from r3gw.relight.cameras import CameraChoice
-from r3gw.relight.lights import LightChoice, SunChoice
+from r3gw.relight.cameras import CameraOptions
+from r3gw.relight.film import FilmOptions, relight
+from r3gw.relight.gaussians import relightable_of
+from r3gw.relight.lights import LightOptions, MapSource, PhotoSource, SunSource
 from r3gw.relight.outputs import output_for
-from r3gw.relight.picture import Illumination, frame
-from r3gw.relight.scene import relightable_of
-from r3gw.relight.stage import FilmChoice, relight
+from r3gw.relight.picture import frame
 from r3gw.relight.sweep import Sweep
 from r3gw.relight.tone import standard
 from r3gw.rendering.compose import render
 
 
-def picture(tiny, folder, light: LightChoice, view: str = "a_1", name: str = "out.png", **film):
+def picture(tiny, folder, light: LightOptions, view: str = "a_1", name: str = "out.png", **film):
     """One relit picture, as stored."""
     out = folder / name
-    relight(tiny.model_path, tiny.folder, (out,), CameraChoice((view,)), light, FilmChoice(**film))
+    options = FilmOptions(**film)
+    relight(tiny.model_path, tiny.folder, (out,), CameraOptions((view,)), light, options)
     return read_linear(out) if out.suffix == ".exr" else read_rgb(out).astype(int)
 
 
 @torch.no_grad()
 def uncovered(tiny, view: str) -> np.ndarray:
     """Share of each pixel that no Gaussian covers, ``[H, W, 1]``: black in training."""
-    light, sky_light = photo_light(tiny.model, "a_0")
-    alpha = render(tiny.model, tiny.view(view).camera, light, sky_light).alpha
+    light = photo_light(tiny.model, "a_0")
+    alpha = render(tiny.model, tiny.view(view).camera, light.sh, light.sky_coefficients).alpha
     return 1 - alpha[..., None].numpy()
 
 
@@ -46,12 +47,12 @@ def test_frame_is_the_trainings_rendering_before_its_sky(tiny, with_shadows):
     if with_shadows:
         transfer = 0.2 * torch.randn(len(model.foreground), 25)
         model.foreground.add_computed(OCCLUSION, transfer)
-    light, sky_light = photo_light(model, "a_0")
+    light = photo_light(model, "a_0")
     camera = tiny.view("b_exact").camera
-    trained = render(model, camera, light, sky_light)
-    shown = frame(relightable_of(model), camera, Illumination(light, sky_light), standard)
+    trained = render(model, camera, light.sh, light.sky_coefficients)
+    shown = frame(relightable_of(model), camera, light, standard)
     looks = torch.nn.functional.normalize(pixel_rays(camera), dim=-1)  # the camera is not turned
-    behind = (sh.radiance(sky_light, looks) + 0.5).clamp(0.0, 1.0)
+    behind = (sh.radiance(light.sky_coefficients, looks) + 0.5).clamp(0.0, 1.0)
     expected = trained.colour + (1 - trained.alpha[..., None]) * behind
     torch.testing.assert_close(shown, expected, rtol=0, atol=1e-5)
 
@@ -59,7 +60,7 @@ def test_frame_is_the_trainings_rendering_before_its_sky(tiny, with_shadows):
 def test_relit_under_the_true_map_equals_the_photo(tiny, tmp_path):
     scaled = tiny.env_map * 0.8 * torch.tensor([1.1, 1.0, 0.9])
     write_exr(tmp_path / "map.exr", scaled.numpy())
-    light = LightChoice(env_map=tmp_path / "map.exr", sky="white")
+    light = LightOptions(MapSource(tmp_path / "map.exr"), sky="white")
     photo = read_rgb(tiny.folder / "images" / "b_exact.png")
     expected = photo + 255 * uncovered(tiny, "b_exact")
     assert np.abs(picture(tiny, tmp_path, light, "b_exact") - expected).max() <= 1.1
@@ -67,24 +68,26 @@ def test_relit_under_the_true_map_equals_the_photo(tiny, tmp_path):
 
 def test_a_photos_light_brings_its_sky(tiny, tmp_path):
     photo = read_rgb(tiny.folder / "images" / "a_1.png").astype(int)
-    own = picture(tiny, tmp_path, LightChoice(photos=("a_1",)))
+    own = picture(tiny, tmp_path, LightOptions(PhotoSource(("a_1",))))
     is_covered = uncovered(tiny, "a_1")[..., 0] < 0.002
     assert is_covered.mean() > 0.5
     assert np.abs(own - photo)[is_covered].max() <= 1
-    white = picture(tiny, tmp_path, LightChoice(photos=("a_1",), sky="white"))
+    white = picture(tiny, tmp_path, LightOptions(PhotoSource(("a_1",)), sky="white"))
     assert white[:8].min() > 250
-    other = picture(tiny, tmp_path, LightChoice(photos=("a_1",), sky="learned:a_0"))
+    other = picture(tiny, tmp_path, LightOptions(PhotoSource(("a_1",)), sky="learned:a_0"))
     assert np.abs(other[20:] - photo[20:]).mean() < 1
     assert np.abs(other[:8] - white[:8]).mean() > 5
 
 
 def test_exr_is_the_png_before_its_gamma(tiny, tmp_path):
-    dim = LightChoice(photos=("a_0",), exposure=0.4)
+    dim = LightOptions(PhotoSource(("a_0",)), exposure=0.4)
     shown = picture(tiny, tmp_path, dim, name="dim.png")
     linear = picture(tiny, tmp_path, dim, name="dim.exr")
     assert linear.max() < 1.0
     np.testing.assert_allclose(linear ** (1 / 2.2) * 255, shown, rtol=0, atol=0.51)
-    bright = picture(tiny, tmp_path, LightChoice(photos=("a_0",), exposure=40.0), name="b.exr")
+    bright = picture(
+        tiny, tmp_path, LightOptions(PhotoSource(("a_0",)), exposure=40.0), name="b.exr"
+    )
     # 100 times the light is 100 times the linear value: no shoulder, no clamp.
     np.testing.assert_allclose(bright, 100 * linear, rtol=5e-3, atol=1e-2)
     assert bright.max() > 2.0
@@ -94,7 +97,7 @@ def test_the_map_is_seen_where_it_hangs(tiny, tmp_path):
     env_map = np.full((32, 64, 3), 0.2, np.float32)
     env_map[:, 32:, 0] = 0.8  # the right half, towards +x, is reddish
     write_exr(tmp_path / "map.exr", env_map)
-    light = LightChoice(env_map=tmp_path / "map.exr", sky="map")
+    light = LightOptions(MapSource(tmp_path / "map.exr"), sky="map")
     seen = picture(tiny, tmp_path, light, name="seen.exr")
     # The camera looks along +z with x to the right: the edge stands in the picture's middle.
     np.testing.assert_allclose(seen[2, 2], (0.2, 0.2, 0.2), rtol=0, atol=1e-3)
@@ -103,15 +106,15 @@ def test_the_map_is_seen_where_it_hangs(tiny, tmp_path):
 
 def test_film_goes_from_one_light_to_the_other(tiny, tmp_path):
     films = (tmp_path / "film.mp4", tmp_path / "frames" / "%03d.png")
-    light = LightChoice(photos=("a_0", "a_1"), blend=Sweep((0.0, 1.0)))
-    choice = CameraChoice(("a_1",), width_px=47)  # odd: the film leaves out a column
-    relight(tiny.model_path, tiny.folder, films, choice, light, FilmChoice(frames=5, fps=10.0))
+    light = LightOptions(PhotoSource(("a_0", "a_1"), Sweep((0.0, 1.0))))
+    choice = CameraOptions(("a_1",), width_px=47)  # odd: the film leaves out a column
+    relight(tiny.model_path, tiny.folder, films, choice, light, FilmOptions(frames=5, fps=10.0))
     names = sorted(path.name for path in (tmp_path / "frames").iterdir())
     assert names == ["000.png", "001.png", "002.png", "003.png", "004.png"]
     for name, photo in (("000.png", "a_0"), ("004.png", "a_1")):
         relight(
             tiny.model_path, tiny.folder, (tmp_path / "one.png",), choice,
-            LightChoice(photos=(photo,)),
+            LightOptions(PhotoSource((photo,))),
         )  # fmt: skip
         assert (read_rgb(tmp_path / "frames" / name) == read_rgb(tmp_path / "one.png")).all()
     film = cv2.VideoCapture(str(tmp_path / "film.mp4"))
@@ -141,31 +144,41 @@ def test_a_film_that_fails_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-SUN = SunChoice(Sweep((30.0,)), Sweep((0.0,)))
-A_0 = LightChoice(photos=("a_0",))
+SUN = SunSource(Sweep((30.0,)), Sweep((0.0,)))
+A_0 = LightOptions(PhotoSource(("a_0",)))
 
 
 @pytest.mark.parametrize(
     ("cameras", "light", "said"),
     [
-        ("a_0", LightChoice(), "exactly one light"),
-        ("a_0", LightChoice(photos=("a_0",), sun=SUN), "exactly one light"),
         ("a_9", A_0, "no view 'a_9'; it has: a_0, a_1"),
-        ("a_0", LightChoice(photos=("a_9",)), "no light of a photo 'a_9'; it has: a_0, a_1"),
-        ("a_0", LightChoice(photos=("a_0", "a_1", "a_0")), "at most two"),
-        ("a_0", LightChoice(photos=("a_0",), blend=Sweep((0.5,))), "needs two learned lights"),
-        ("a_0", LightChoice(photos=("a_0", "a_1"), blend=Sweep((2.0,))), "must be 0 to 1, not 2"),
-        ("a_0", LightChoice(photos=("a_0",), sky="blue"), "sky 'blue' is unknown"),
-        ("a_0", LightChoice(photos=("a_0",), sky="map"), "needs a map to show"),
-        ("a_0", LightChoice(sun=SUN, sky="learned"), "say whose sky"),
-        ("a_0", LightChoice(sun=SunChoice(Sweep((-5.0,)), Sweep((0.0,)))), "0 to 90, not -5"),
-        ("a_0", LightChoice(photos=("a_0", "a_1"), blend=Sweep((0.0, 1.0))), "give --frames"),
+        ("a_0", LightOptions(PhotoSource(("a_9",))), "no light of a photo 'a_9'; it has: a_0, a_1"),
+        ("a_0", LightOptions(PhotoSource(("a_0", "a_1", "a_0"))), "or a blend of two, not 3"),
+        (
+            "a_0",
+            LightOptions(PhotoSource(("a_0",), Sweep((0.5,)))),
+            "needs the learned lights",
+        ),
+        ("a_0", LightOptions(PhotoSource(("a_0", "a_1"), Sweep((2.0,)))), "must be 0 to 1, not 2"),
+        ("a_0", LightOptions(PhotoSource(("a_0",)), sky="blue"), "sky 'blue' is unknown"),
+        (
+            "a_0",
+            LightOptions(PhotoSource(("a_0",)), sky="map"),
+            "needs the light of an",
+        ),
+        ("a_0", LightOptions(SUN, sky="learned"), "say whose sky"),
+        ("a_0", LightOptions(SunSource(Sweep((-5.0,)), Sweep((0.0,)))), "0 to 90, not -5"),
+        (
+            "a_0",
+            LightOptions(PhotoSource(("a_0", "a_1"), Sweep((0.0, 1.0)))),
+            "ask for more",
+        ),
     ],
 )
 def test_contradictions_are_told(tiny, tmp_path, cameras, light, said):
     with pytest.raises(InputError, match=said):
         relight(
-            tiny.model_path, tiny.folder, (tmp_path / "o.png",), CameraChoice((cameras,)), light
+            tiny.model_path, tiny.folder, (tmp_path / "o.png",), CameraOptions((cameras,)), light
         )
     assert not (tmp_path / "o.png").exists()
 

@@ -9,8 +9,11 @@ import torch
 from r3gw.files import write_json
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import write_exr, write_image
+from r3gw.lighting.light import Light
+from r3gw.lighting.skies import LearnedSky
 from r3gw.model.initial import initial_points, save_initial
 from r3gw.model.settings import SkySettings
+from r3gw.relight.files.lights_file import write_lights
 from r3gw.scene import Points, Scene, View, save_points, save_scene
 from r3gw.scene.scene import Gauge
 
@@ -83,8 +86,8 @@ def make_run(folder: Path, variant: str, *, with_test: bool) -> Path:
     }  # fmt: skip
     parts = [{"view": "t", "sky_boundary_psnr": 21.0}, {"view": "t", "light_error": 0.5}]
     write_json(metrics / "metrics.json", {"run": run, "images": records, "decomposition": parts})
-    lights = {"t": {"light": [[1.0, 0.5, 0.2]] * 4, "sky": [[0.0] * 3] * 4}}
-    write_json(metrics / "lights.json", lights)
+    sky = LearnedSky(torch.zeros(4, 3))
+    write_lights({"t": Light(torch.tensor([[1.0, 0.5, 0.2]] * 4), sky)}, "scene", metrics)
     cost = {"renders_per_second": 50.0, "render_megapixels": 1.0, "render_threads": 1}
     write_json(metrics / "cost.json", cost | {"peak_rss_mb": 300.0})
     is_full = variant == "full"

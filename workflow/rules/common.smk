@@ -22,7 +22,11 @@ DEFAULTS = f"{workflow.basedir}/config"
 TRAIN_FILE, VARIANTS_FILE = f"{DEFAULTS}/train.yaml", f"{DEFAULTS}/variants.yaml"
 PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
-SYNTHETIC = [name for name in SCENES if CONFIG.scenes[name].format == "synthetic"]
+SYNTHETIC = [
+    name for name in SCENES if CONFIG.scenes[name].source.format == "synthetic"
+]
+# Several scenes render side by side, one process each; a single one has all cores to itself.
+GENERATE_THREADS = max(1, (workflow.cores or 1) // max(1, len(SYNTHETIC)))
 VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
@@ -32,7 +36,10 @@ if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     incomplete = []
     for name in GIVEN:
         try:
-            require_complete(name, CONFIG.scenes[name], Path(CONFIG.scenes[name].path))
+            entry = CONFIG.scenes[name]
+            require_complete(
+                name, entry.source, Path(entry.source.path), entry.given_masks
+            )
         except InputError as error:
             incomplete.append(str(error))
     if incomplete:
@@ -80,9 +87,14 @@ def config_json():
     return CONFIG.model_dump_json()
 
 
-def entry_json(wildcards):
-    """The config entry of a scene, as JSON."""
-    return CONFIG.scenes[wildcards.scene].model_dump_json()
+def benchmark_json(wildcards):
+    """What is rendered of an embedded scene, as JSON."""
+    return CONFIG.scenes[wildcards.scene].source.benchmark().model_dump_json()
+
+
+def source_json(wildcards):
+    """The half of a scene's config entry that is about its source, as JSON."""
+    return CONFIG.scenes[wildcards.scene].source.model_dump_json()
 
 
 def entries_json(names):
@@ -112,15 +124,15 @@ def refuse_broken_sources():
 
 def scene_source(wildcards):
     """Folder that a scene is imported from."""
-    entry = CONFIG.scenes[wildcards.scene]
-    if entry.format == "synthetic":
+    source = CONFIG.scenes[wildcards.scene].source
+    if source.format == "synthetic":
         return f"results/{wildcards.scene}/source"
-    return entry.path
+    return source.path
 
 
 def mask_sources(wildcards):
-    """Where the masks of a scene come from, as JSON."""
-    return CONFIG.scenes[wildcards.scene].mask_sources().model_dump_json()
+    """The half of a scene's config entry that is about its masks, as JSON."""
+    return CONFIG.scenes[wildcards.scene].masks.model_dump_json()
 
 
 def resolved(variant, seed):

@@ -11,11 +11,13 @@ rule generate:
     wildcard_constraints:
         scene="|".join(SYNTHETIC) or "none",
     priority: 10
+    threads: GENERATE_THREADS
     params:
         code=library("benchmark"),
-        entry=entry_json,
+        settings=benchmark_json,
     shell:
-        "python -m r3gw generate --entry {params.entry:q} --target {output} > {log} 2>&1"
+        "python -m r3gw generate --settings {params.settings:q} --target {output}"
+        " --processes {threads} > {log} 2>&1"
 
 
 rule import_scene:
@@ -31,7 +33,7 @@ rule import_scene:
     threads: 2
     params:
         code=library("importing"),
-        entry=entry_json,
+        entry=source_json,
     shell:
         "python -m r3gw import --scene {wildcards.scene} --entry {params.entry:q}"
         " --source {input.source} --target results/{wildcards.scene}/scene"

@@ -1,22 +1,23 @@
 """Generate a benchmark scene: sessions, cameras, photos, ground truth, layout A on disk."""
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from importlib.metadata import version
-from math import pi
 from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
-from r3gw.benchmark import cameras, lights, points, render, write
-from r3gw.benchmark.buildings import chapel, colonnade, townhouse
+from r3gw.benchmark import cameras, colmap, points, render, write
+from r3gw.benchmark.devices import DEVICES, Device
 from r3gw.benchmark.place import Place
 from r3gw.benchmark.seeds import stream
-from r3gw.benchmark.shooting import Exposure, Plan, Studio
+from r3gw.benchmark.shooting import Plan
+from r3gw.benchmark.visits import with_visits
+from r3gw.benchmark.work import PLACES, Work, render_visits
 from r3gw.files import InputError
 
-PLACES = {module.PLACE.name: module.PLACE for module in (chapel, colonnade, townhouse)}
 SCENES = tuple(PLACES)
 
 OCCLUDED_EVERY = 3  # One training photo in three has passers-by
@@ -32,6 +33,11 @@ def generate(
     train_views: int = 20,
     test_views: int = 4,
     samples: int = 20,
+    visits: int | None = None,
+    num_devices: int = 0,
+    is_denoised: bool = False,
+    point_candidates: int = POINT_CANDIDATES,
+    num_processes: int = 1,
     show_progress: bool = True,
 ) -> None:
     """Render a scene and write it to ``target`` as layout A plus ground truth.
@@ -47,22 +53,31 @@ def generate(
         train_views: Number of training photos, at least 2.
         test_views: Number of test photos, at least 1.
         samples: Light paths per pixel.
+        visits: Training sessions; by default those of the place's own list.
+        num_devices: Devices that took the photos (r3gw.benchmark.devices); their distorted
+            originals are written too. 0: every photo has a pinhole camera of its own.
+        is_denoised: Whether photos are smoothed, for renders of few samples.
+        point_candidates: Sparse points to try; what two photos show is kept.
+        num_processes: Processes that share the sessions; the bytes do not depend on it.
         show_progress: Whether to draw a progress bar.
 
     Raises:
         InputError: If the name is unknown, a number is too small, or ``target`` has content.
     """
     _check(name, target, size_px, train_views, test_views, samples)
-    render.use_one_thread()
     scene = PLACES[name]
+    if visits is not None:
+        random = stream(seed, scene.name, "visits")
+        scene = replace(scene, sessions=with_visits(scene.sessions, visits, random))
     partial = target.with_name(f".{target.name}.partial")
     shutil.rmtree(partial, ignore_errors=True)
     partial.mkdir(parents=True)
     try:
-        plans = _plan(scene, seed, size_px, train_views, test_views)
+        plans = _plan(scene, seed, size_px, train_views, test_views, DEVICES[:num_devices])
+        work = Work(scene.name, seed, samples, is_denoised, partial)
         with tqdm(total=len(plans), desc=name, unit="photo", disable=not show_progress) as bar:
-            shots, panoramas = _render(scene, seed, plans, samples, partial, bar.update)
-        _write(scene, seed, shots, panoramas, samples, partial)
+            shots, panoramas = render_visits(scene, plans, work, num_processes, bar.update)
+        _write(scene, shots, panoramas, work, point_candidates)
         if target.is_dir():
             target.rmdir()
         partial.replace(target)
@@ -89,7 +104,12 @@ def _check(
 
 
 def _plan(
-    scene: Place, seed: int, size_px: tuple[int, int], train_views: int, test_views: int
+    scene: Place,
+    seed: int,
+    size_px: tuple[int, int],
+    train_views: int,
+    test_views: int,
+    devices: Sequence[Device],
 ) -> list[Plan]:
     """Cameras, sessions and file names, sorted by file name."""
     random = stream(seed, scene.name, "cameras")
@@ -107,63 +127,35 @@ def _plan(
             session = sessions[turns[i]]
             stem = f"{session.name}_IMG_{first + i:04d}"
             has_passersby = not session.is_test and i % OCCLUDED_EVERY == 1
-            plans.append(Plan(stem, session, camera, has_passersby))
+            device = devices[int(random.integers(len(devices)))] if devices else None
+            posed = camera if device is None else device.camera(camera, size_px)
+            plans.append(Plan(stem, session, posed, has_passersby, device))
     return sorted(plans, key=lambda plan: plan.stem)
-
-
-def _render(
-    scene: Place,
-    seed: int,
-    plans: Sequence[Plan],
-    samples: int,
-    root: Path,
-    done: Callable[[], object],
-) -> tuple[list[write.Shot], dict[str, write.Panorama]]:
-    """Render and write session by session; return photos by name, and the panoramas."""
-    studio = Studio(scene, seed, samples)
-    shots, panoramas = [], {}
-    for session in scene.sessions:
-        visit = [plan for plan in plans if plan.session == session]
-        if not visit:
-            continue
-        random = stream(seed, scene.name, session.name)
-        light = lights.environment(session, random)
-        yaw_rad = lights.whole_pixel_yaw(float(random.uniform(-pi, pi)))
-        panoramas[session.name] = write.Panorama(yaw_rad, lights.clipped_scale(light))
-        write.write_light(root, session, light, yaw_rad)
-        exposure = Exposure(light, random)
-        emitter = render.emitter(light)
-        place = studio.lit(emitter)
-        for plan in visit:
-            shots.append(studio.shoot(plan, place, emitter, exposure))
-            write.write_shot(root, shots[-1])
-            done()
-    return sorted(shots, key=lambda shot: shot.stem), panoramas
 
 
 def _write(
     scene: Place,
-    seed: int,
-    shots: Sequence[write.Shot],
+    shots: Sequence[write.Taken],
     panoramas: dict[str, write.Panorama],
-    samples: int,
-    root: Path,
+    work: Work,
+    point_candidates: int,
 ) -> None:
     """Everything that needs all photos: split, evaluation entries, model, facts."""
+    root, seed = work.root, work.seed
     write.write_split(root, scene.name, shots)
     write.write_test_config(root, shots, panoramas, stream(seed, scene.name, "sweeps"))
     views = [
-        points.View(shot.camera, shot.truth.depth, shot.is_kept, shot.photo)
+        points.View(shot.camera, shot.depth, shot.is_kept, shot.photo)
         for shot in shots
         if not shot.session.is_test
     ]
     focus = cameras.WORLD_FROM_BUILDING @ np.asarray(scene.walk.focus)
     random = stream(seed, scene.name, "points")
-    write.write_model(root, shots, points.find(views, POINT_CANDIDATES, focus, random))
+    colmap.write_model(root, shots, points.find(views, point_candidates, focus, random))
     made_with = {
         "scene": scene.name,
         "seed": seed,
-        "samples": samples,
+        "samples": work.samples,
         "mitsuba": version("mitsuba"),
         "max_depth": render.MAX_DEPTH,
     }

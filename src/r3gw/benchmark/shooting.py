@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from r3gw.benchmark import passersby, render
 from r3gw.benchmark.cameras import WORLD_FROM_BUILDING
+from r3gw.benchmark.devices import Device
 from r3gw.benchmark.lights import Session
 from r3gw.benchmark.materials import Kind, Material
 from r3gw.benchmark.meshes import Part
@@ -33,12 +34,14 @@ class Plan:
         session: Its light.
         camera: Its camera.
         has_passersby: Whether people or cars stand in the way.
+        device: What took it; None where every photo has a pinhole camera of its own.
     """
 
     stem: str
     session: Session
     camera: Camera
     has_passersby: bool
+    device: Device | None = None
 
 
 class Exposure:
@@ -65,9 +68,10 @@ class Exposure:
 class Studio:
     """A place built once, to be photographed in any light."""
 
-    def __init__(self, place: Place, seed: int, samples: int) -> None:
+    def __init__(self, place: Place, seed: int, samples: int, *, is_denoised: bool) -> None:
         parts, materials = place.build(stream(seed, place.name, "build"))
         self._place, self._seed, self._samples = place, seed, samples
+        self._is_denoised = is_denoised
         self._solids = render.shapes(parts, materials)
         self._kinds = [materials[name].kind for name in self._solids]
 
@@ -106,6 +110,8 @@ class Studio:
             is_kept,
             np.isin(truth.kind, evaluated) & is_kept,
             truth,
+            plan.device,
+            self._is_denoised,
         )
 
 

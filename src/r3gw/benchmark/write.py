@@ -6,18 +6,22 @@ from math import degrees, radians
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
-import pycolmap
 from numpy.typing import NDArray
 
+from r3gw.benchmark.devices import Device
 from r3gw.benchmark.lights import CLIPPED, Session, phone_panorama, published_sun_angle
-from r3gw.benchmark.points import Points
 from r3gw.benchmark.render import Truth
 from r3gw.files import write_json
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.lighting.daylight import Map
+
+ORIGINALS = "originals"  # Photos with lens distortion in a COLMAP folder of their own
+# OpenCV's non-local means: strength for brightness and colour, window and search window in pixels.
+DENOISING = (3, 6, 5, 15)
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,8 @@ class Shot:
         is_kept: ``[H, W]``, False at occluders.
         is_evaluated: ``[H, W]``, True where metrics count.
         truth: Albedo, normals and depth.
+        device: What took it; None where every photo has a pinhole camera of its own.
+        is_denoised: Whether the photo's noise is smoothed away.
     """
 
     stem: str
@@ -45,12 +51,32 @@ class Shot:
     is_kept: NDArray[np.bool_]
     is_evaluated: NDArray[np.bool_]
     truth: Truth
+    device: Device | None = None
+    is_denoised: bool = False
 
-    @property
     def photo(self) -> NDArray[np.uint8]:
         """The photo: ``display(radiance * exposure * white balance)``, 8 bit."""
         linear = self.radiance * self.exposure * np.asarray(self.white_balance, dtype=np.float32)
-        return np.round(display_array_from_linear(linear) * 255.0).astype(np.uint8)
+        pixels = np.round(display_array_from_linear(linear) * 255.0).astype(np.uint8)
+        if not self.is_denoised:
+            return pixels
+        smooth = cv2.fastNlMeansDenoisingColored(pixels, None, *DENOISING)
+        return np.asarray(smooth, dtype=np.uint8)
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What is still needed of a photo once its files are written."""
+
+    stem: str
+    session: Session
+    camera: Camera
+    exposure: float
+    white_balance: tuple[float, float, float]
+    is_kept: NDArray[np.bool_]
+    depth: NDArray[np.float32]
+    photo: NDArray[np.uint8]
+    device: Device | None
 
 
 @dataclass(frozen=True)
@@ -66,11 +92,15 @@ class Panorama:
     scale: float
 
 
-def write_shot(root: Path, shot: Shot) -> None:
-    """Photo, masks and ground truth of one view."""
+def write_shot(root: Path, shot: Shot) -> Taken:
+    """Write photo, masks and ground truth of one view; return what later steps need."""
     base, stem = root / "undistorted", shot.stem
     is_sky = shot.truth.depth == 0
-    write_image(base / "images" / f"{stem}.jpg", shot.photo)
+    photo = shot.photo()
+    write_image(base / "images" / f"{stem}.jpg", photo)
+    if shot.device is not None:
+        original = shot.device.original(photo, shot.camera)
+        write_image(root / ORIGINALS / "images" / f"{stem}.jpg", original)
     write_image(base / "masks" / f"{stem}.png", shot.is_kept)
     write_image(base / "sky_masks" / f"{stem}.png", ~is_sky)
     if shot.session.is_test:
@@ -80,6 +110,17 @@ def write_shot(root: Path, shot: Shot) -> None:
     write_exr(known / "normal" / f"{stem}.exr", shot.truth.normal)
     depth = np.repeat(shot.truth.depth[..., None], 3, axis=2)
     write_exr(known / "depth" / f"{stem}.exr", depth)
+    return Taken(
+        stem,
+        shot.session,
+        shot.camera,
+        shot.exposure,
+        shot.white_balance,
+        shot.is_kept,
+        shot.truth.depth,
+        photo,
+        shot.device,
+    )
 
 
 def write_light(root: Path, session: Session, light: Map, yaw_rad: float) -> None:
@@ -91,7 +132,7 @@ def write_light(root: Path, session: Session, light: Map, yaw_rad: float) -> Non
         write_image(folder / "envmap.jpg", picture)
 
 
-def write_split(root: Path, name: str, shots: Sequence[Shot]) -> None:
+def write_split(root: Path, name: str, shots: Sequence[Taken]) -> None:
     """The CSV that says which photo is for training and which for testing."""
     rows = [f"{s.stem}.jpg;{'test' if s.session.is_test else 'train'}" for s in shots]
     text = "\n".join(["filename;split", *rows]) + "\n"
@@ -100,7 +141,7 @@ def write_split(root: Path, name: str, shots: Sequence[Shot]) -> None:
 
 def write_test_config(
     root: Path,
-    shots: Sequence[Shot],
+    shots: Sequence[Taken],
     panoramas: Mapping[str, Panorama],
     random: np.random.Generator,
 ) -> None:
@@ -134,46 +175,9 @@ def write_test_config(
     (root / "eval_files" / "test_config.py").write_text(text)
 
 
-def write_model(root: Path, shots: Sequence[Shot], points: Points) -> None:
-    """The COLMAP model: one PINHOLE camera per photo, poses, points with tracks.
-
-    Tracks number the training shots only, in the order of ``shots``.
-    """
-    model = pycolmap.Reconstruction()
-    trained = [i for i, shot in enumerate(shots) if not shot.session.is_test]
-    seen: dict[int, list[tuple[float, float]]] = {i: [] for i in range(len(shots))}
-    places: list[list[tuple[int, int]]] = []
-    for track in points.tracks:
-        places.append([])
-        for number, x, y in track:
-            shown = trained[number]
-            places[-1].append((shown + 1, len(seen[shown])))
-            seen[shown].append((x, y))
-    for i, shot in enumerate(shots):
-        camera = shot.camera
-        described = pycolmap.Camera(
-            model="PINHOLE",
-            width=camera.width,
-            height=camera.height,
-            params=list(camera.intrinsics),
-            camera_id=i + 1,
-        )
-        model.add_camera_with_trivial_rig(described)
-        keypoints = np.array(seen[i], dtype=np.float64).reshape(-1, 2)
-        image = pycolmap.Image(f"{shot.stem}.jpg", keypoints, i + 1, i + 1)
-        pose = pycolmap.Rigid3d(camera.cam_from_world.numpy()[:3])
-        model.add_image_with_trivial_frame(image, pose)
-    for xyz, rgb, spots in zip(points.xyz, points.rgb, places, strict=True):
-        elements = [pycolmap.TrackElement(number, index) for number, index in spots]
-        model.add_point3D(xyz, pycolmap.Track(elements), rgb)
-    folder = root / "undistorted" / "sparse" / "0"
-    folder.mkdir(parents=True)
-    model.write_binary(str(folder))
-
-
 def write_facts(
     root: Path,
-    shots: Sequence[Shot],
+    shots: Sequence[Taken],
     panoramas: Mapping[str, Panorama],
     made_with: dict[str, Any],
 ) -> None:

@@ -47,11 +47,11 @@ def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
 @click.option("--target", type=FILE, help="JSON file to write if all is well.")
 def doctor_sources(entries: str, target: Path | None) -> None:
     """Refuse scenes whose source would fail to import; looks at names and lists only."""
-    from r3gw.importing.settings import parse_scene
     from r3gw.pipeline.doctor.source import examine_source
+    from r3gw.pipeline.scene_entry import parse_entry
 
     found = [
-        examine_source(name, parse_scene(entry, f"scene '{name}'"))
+        examine_source(name, parse_entry(entry, f"scene '{name}'"))
         for name, entry in json_object(entries, "--entries").items()
     ]
     _stop_at([problem for findings in found for problem in findings.problems])

@@ -11,14 +11,15 @@ SOURCE = click.Path(path_type=Path)
 
 
 @cli.command()
-@click.option("--entry", required=True, help="The scene's config entry as JSON.")
-@click.option("--target", type=FOLDER, required=True, help="Folder to write (layout A).")
-def generate(entry: str, target: Path) -> None:
+@click.option("--settings", required=True, help="What to render, as JSON (config/README.md).")
+@click.option("--target", type=FOLDER, required=True, help="Folder to write.")
+@click.option("--processes", type=click.IntRange(min=1), default=1, help="That render at once.")
+def generate(settings: str, target: Path, processes: int) -> None:
     """Render a scene of the embedded benchmark: photos, masks, SfM model, ground truth."""
     from r3gw.benchmark.generate import generate as run
-    from r3gw.importing.settings import SyntheticScene
+    from r3gw.benchmark.settings import BenchmarkSettings
 
-    scene = validated(SyntheticScene, json_object(entry, "--entry"), "--entry")
+    scene = validated(BenchmarkSettings, json_object(settings, "--settings"), "--settings")
     run(
         scene.building,
         scene.seed,
@@ -27,12 +28,19 @@ def generate(entry: str, target: Path) -> None:
         train_views=scene.train_views,
         test_views=scene.test_views,
         samples=scene.samples,
+        visits=scene.visits,
+        num_devices=scene.devices,
+        is_denoised=scene.denoise,
+        point_candidates=scene.points,
+        num_processes=processes,
     )
 
 
 @cli.command("import")
 @click.option("--scene", required=True, help="Name of the scene.")
-@click.option("--entry", required=True, help="The scene's config entry as JSON.")
+@click.option(
+    "--entry", required=True, help="Keys of the scene's config entry about its source, as JSON."
+)
 @click.option(
     "--source", type=SOURCE, required=True, help="Dataset folder, folder of photos, or a video."
 )

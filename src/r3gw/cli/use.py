@@ -91,18 +91,18 @@ def relight(
       r3gw relight --model M --scene S --view A --orbit-deg -30:30 --light-of A \\
           --light-of B --blend 0:1 --frames 100 --output blend.mp4
     """
-    from r3gw.relight.cameras import CameraChoice
-    from r3gw.relight.stage import FilmChoice
-    from r3gw.relight.stage import relight as run
+    from r3gw.relight.cameras import CameraOptions
+    from r3gw.relight.film import FilmOptions
+    from r3gw.relight.film import relight as run
 
-    cameras = CameraChoice(view, orbit_deg, width)
+    cameras = CameraOptions(view, orbit_deg, width)
     run(
         model,
         scene,
         output,
         cameras,
         _light(**light),
-        FilmChoice(frames, fps, tone),
+        FilmOptions(frames, fps, tone),
         num_threads=threads,
     )
 
@@ -150,7 +150,7 @@ def export(
     baked.glb         glTF 2.0 with KHR_gaussian_splatting
     lights.json       the learned lights as spherical harmonics
     """
-    from r3gw.relight.export.stage import export as run
+    from r3gw.relight.export import export as run
 
     chosen = _light(**light)
     run(model, scene, target, chosen, view=view, tone=tone, coordinates=coordinates)
@@ -166,8 +166,18 @@ def _light(
     exposure: float | Literal["auto"] | None,
     sky: str | None,
 ) -> Any:
-    """The LightChoice of the options."""
-    from r3gw.relight.lights import LightChoice, SunChoice
+    """The LightOptions of the command's options."""
+    from r3gw.relight.lights import LightOptions, MapSource, PhotoSource, SunSource
 
-    day = None if sun is None else SunChoice(*sun, turbidity)
-    return LightChoice(env_map, light_of, day, blend, yaw_deg, exposure, sky)
+    if (env_map is not None) + bool(light_of) + (sun is not None) != 1:
+        raise click.UsageError("give exactly one light: --env-map, --light-of or --sun")
+    if len(light_of) > 2 or (blend != Sweep((0.0,)) and len(light_of) != 2):
+        raise click.UsageError("a blend is of two lights: give --light-of twice")
+    source: MapSource | PhotoSource | SunSource
+    if env_map is not None:
+        source = MapSource(env_map)
+    elif sun is not None:
+        source = SunSource(*sun, turbidity)
+    else:
+        source = PhotoSource(light_of, blend)
+    return LightOptions(source, yaw_deg, exposure, sky)

@@ -13,6 +13,7 @@ from r3gw.evaluation.metrics import evaluation_mask
 from r3gw.imaging.files import read_rgb
 from r3gw.imaging.masks import read_mask
 from r3gw.lighting import envmap
+from r3gw.lighting.light import Light
 from r3gw.lighting.maps import light_of_map
 from r3gw.masks.folder import load_masks
 from r3gw.model.model import SceneModel
@@ -67,14 +68,14 @@ class Bench:
         return radiance * truth.exposure * torch.tensor(truth.white_balance)
 
     @torch.no_grad()
-    def render(
-        self,
-        view: View,
-        light: Float[Tensor, "coeff 3"],
-        sky_light: Float[Tensor, "skycoeff 3"] | None,
-    ) -> Float[np.ndarray, "h w 3"]:
-        """The view under a light, display values in [0, 1]; no sky light means a white sky."""
-        colour = render(self.model, view.camera, light, sky_light).colour
+    def render(self, view: View, light: Light) -> Float[np.ndarray, "h w 3"]:
+        """The view as training renders it, display values in [0, 1].
+
+        Args:
+            view: Which camera.
+            light: With a learned sky, or with none: a white one, as the published protocol asks.
+        """
+        colour = render(self.model, view.camera, light.sh, light.sky_coefficients).colour
         return colour.clamp(0.0, 1.0).double().numpy()
 
 

@@ -26,7 +26,7 @@ def measured_cost(bench: Bench, num_threads: int) -> dict[str, float | int]:
     for number, i in enumerate(turns):
         if number == NUM_WARM_UP:
             start = perf_counter()
-        bench.render(views[i], *lights[i])
+        bench.render(views[i], lights[i])
     seconds = perf_counter() - start
     return {
         "renders_per_second": NUM_TIMED / seconds,

@@ -139,7 +139,7 @@ def light_records(bench: Bench) -> list[Record]:
     views = [view for view in bench.scene.split("train") if view.truth is not None]
     if not views:
         return []
-    learned = np.stack([_numpy(photo_light(bench.model, view.name)[0]) for view in views])
+    learned = np.stack([_numpy(photo_light(bench.model, view.name).sh) for view in views])
     true = np.stack(
         [_numpy(bench.true_light(view.truth)) for view in views if view.truth is not None]
     )
@@ -178,7 +178,7 @@ def sky_records(bench: Bench) -> list[Record]:
         band = sky_band(is_sky) & is_valid
         if not band.any() or not (is_sky & is_valid).any():
             continue
-        picture = bench.render(view, *photo_light(bench.model, view.name))
+        picture = bench.render(view, photo_light(bench.model, view.name))
         alpha = surfaces_of(bench.model, view.camera).foreground_alpha
         record: Record = {
             "view": view.name,

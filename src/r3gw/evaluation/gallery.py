@@ -6,7 +6,6 @@ views under lights that were learned for photos, with those photos' skies. relit
 """
 
 from collections.abc import Sequence
-from math import radians
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,14 +17,16 @@ from torch import Tensor
 
 from r3gw.evaluation.bench import Bench
 from r3gw.files import write_json
-from r3gw.geometry.rotations import rotation_about_axis
-from r3gw.imaging.colour import display_array_from_linear, linear_from_display
-from r3gw.imaging.files import LDR_SUFFIXES, write_image
+from r3gw.imaging.colour import display_array_from_linear
+from r3gw.imaging.files import write_image
 from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
-from r3gw.lighting.maps import map_light
-from r3gw.lighting.sh_rotation import rotate
-from r3gw.model.lights import learned_strength, photo_light
+from r3gw.lighting.light import Light
+from r3gw.lighting.maps import light_of_map, linear_env_map
+from r3gw.model.lights import learned_lights, learned_strength
+from r3gw.relight.gaussians import Relightable, relightable_of
+from r3gw.relight.picture import frame
+from r3gw.relight.tone import standard
 from r3gw.scene import View
 
 NUM_YAWS = 24
@@ -35,7 +36,7 @@ THUMBNAIL_PX = 64
 BRIGHTEST_QUANTILE = 0.98
 
 Item = TypeVar("Item")
-Source = tuple[str, Float[Tensor, "coeff 3"], Float[Tensor, "h w 3"]]
+Source = tuple[str, Light, Float[Tensor, "h w 3"]]
 
 
 def evenly(items: Sequence[Item], count: int) -> list[Item]:
@@ -47,29 +48,34 @@ def evenly(items: Sequence[Item], count: int) -> list[Item]:
 def write_gallery(bench: Bench, folder: Path) -> None:
     """Render two views under a turning map and under learned lights; relit.json is last."""
     views = evenly(bench.scene.split("test") or bench.scene.split("train"), NUM_VIEWS)
+    gaussians = relightable_of(bench.model)
     name, light, env_map = _map_source(bench)
     yaws_deg = [round(360 * i / NUM_YAWS) for i in range(NUM_YAWS)]
     for yaw_deg in yaws_deg:
-        turned = rotate(light, rotation_about_axis(1, radians(yaw_deg)))
         shift = round(env_map.shape[1] * yaw_deg / 360)
         thumbnail = light_picture(env_map.roll(shift, dims=1))
         write_image(folder / "map" / f"light_{yaw_deg:03d}.png", thumbnail)
         for view in views:
-            picture = bytes_from_display(bench.render(view, turned, None))
-            write_image(folder / "map" / f"{view.name}_{yaw_deg:03d}.png", picture)
+            path = folder / "map" / f"{view.name}_{yaw_deg:03d}.png"
+            write_image(path, relit_picture(gaussians, view, light.turned(float(yaw_deg))))
     photos = _photos_of_sessions(bench.scene.split("train"))
     for number, photo in enumerate(photos):
-        learned, sky_light = photo_light(bench.model, photo)
-        drawn = light_picture(envmap.draw(learned, THUMBNAIL_PX))
+        learned = gaussians.light_of(photo)
+        drawn = light_picture(envmap.draw(learned.sh, THUMBNAIL_PX))
         write_image(folder / "learned" / f"light_{number}.png", drawn)
         for view in views:
-            picture = bytes_from_display(bench.render(view, learned, sky_light))
-            write_image(folder / "learned" / f"{view.name}_{number}.png", picture)
+            path = folder / "learned" / f"{view.name}_{number}.png"
+            write_image(path, relit_picture(gaussians, view, learned))
     names = [view.name for view in views]
     write_json(
         folder / "relit.json",
         {"views": names, "map": name, "yaws_deg": yaws_deg, "photos": photos},
     )
+
+
+def relit_picture(gaussians: Relightable, view: View, light: Light) -> NDArray[np.uint8]:
+    """A view under a light as `python -m r3gw relight` shows it."""
+    return bytes_from_display(frame(gaussians, view.camera, light, standard))
 
 
 def light_picture(env_map: Float[Tensor, "h w 3"]) -> NDArray[np.uint8]:
@@ -92,11 +98,10 @@ def _map_source(bench: Bench) -> Source:
     test = bench.scene.split("test")
     sources = [_map_of(bench, view) for view in test if view.truth or view.evaluation]
     if not sources:
-        for photo in bench.model.photos:
-            light = photo_light(bench.model, photo)[0]
-            drawn = envmap.draw(light, THUMBNAIL_PX)
-            sources.append((f"light learned for {photo}", light, drawn))
-    return max(sources, key=lambda source: _directionality(source[1]))
+        for photo, light in learned_lights(bench.model).items():
+            drawn = envmap.draw(light.sh, THUMBNAIL_PX)
+            sources.append((f"light learned for {photo}", Light(light.sh), drawn))
+    return max(sources, key=lambda source: _directionality(source[1].sh))
 
 
 def _directionality(light: Float[Tensor, "coeff 3"]) -> float:
@@ -105,19 +110,17 @@ def _directionality(light: Float[Tensor, "coeff 3"]) -> float:
 
 
 def _map_of(bench: Bench, view: View) -> Source:
-    """A test view's true HDR map in the photo's units, or its LDR map.
+    """A test view's true HDR map in the photo's units, or its LDR map; the sky stays white.
 
     An LDR map knows no units, so it is brought to the mean strength of the learned lights.
     """
     if view.truth is not None:
         path = bench.scene_folder / view.truth.env_map
         name = f"true map of {view.session or view.name}"
-        return name, bench.true_light(view.truth), envmap.read_env_map(path)
+        return name, Light(bench.true_light(view.truth)), envmap.read_env_map(path)
     assert view.evaluation is not None  # the caller's choice
     path = bench.scene_folder / view.evaluation.env_map
-    env_map = envmap.read_env_map(path)
-    if path.suffix.lower() in LDR_SUFFIXES:
-        env_map = linear_from_display(env_map)
-    light = map_light(path, bench.light_degree)
-    strength = learned_strength(bench.model) / light[0].mean()
-    return f"map of {view.session or view.name}", light * strength, env_map
+    env_map = linear_env_map(path)
+    light = Light(light_of_map(env_map, bench.light_degree))
+    exposure = light.factor_to(learned_strength(bench.model))
+    return f"map of {view.session or view.name}", light.times(exposure), env_map

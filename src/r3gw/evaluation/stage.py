@@ -25,8 +25,9 @@ from r3gw.files import InputError, write_json
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_picture
-from r3gw.model.lights import photo_light
-from r3gw.model.model import SceneModel, load_model
+from r3gw.model.lights import learned_lights
+from r3gw.model.model import load_model
+from r3gw.relight.files.lights_file import write_lights
 from r3gw.rendering.surfaces import apart, surfaces_of
 from r3gw.scene import View, load_scene
 
@@ -64,21 +65,12 @@ def evaluate_run(
         path = target / "images" / record["protocol"] / f"{record['view']}.json"
         write_json(path, {**record, "run": run})
     write_gallery(bench, target / "relit")
-    write_json(target / "lights.json", learned_lights(bench.model))
+    write_lights(learned_lights(bench.model), "scene", target)
     write_json(target / "cost.json", measured_cost(bench, num_threads))
     decomposition = surface_records(bench) + light_records(bench) + sky_records(bench)
     write_json(
         target / "metrics.json", {"run": run, "images": images, "decomposition": decomposition}
     )
-
-
-def learned_lights(model: SceneModel) -> dict[str, dict[str, list[list[float]]]]:
-    """Per training photo: ``light`` ``[coeff][3]`` and ``sky`` ``[4][3]``, in r3gw's SH basis."""
-    lights = {photo: photo_light(model, photo) for photo in model.photos}
-    return {
-        photo: {"light": light.tolist(), "sky": sky.tolist()}
-        for photo, (light, sky) in lights.items()
-    }
 
 
 def _read_run(path: Path) -> dict[str, Any]:
@@ -125,7 +117,8 @@ def _write_parts(bench: Bench, view: View, outcome: Outcome, folder: Path) -> No
     is_surface = surfaces.foreground_alpha >= VISIBLE_ALPHA
     depth = np.where(is_surface, surfaces.depth, 0.0).astype(np.float32)
     albedo = np.where(is_surface[..., None], display_array_from_linear(surfaces.albedo), 1.0)
-    foreground, sky = apart(bench.model, view.camera, outcome.light, outcome.sky_light)
+    light = outcome.light
+    foreground, sky = apart(bench.model, view.camera, light.sh, light.sky_coefficients)
     parts = {
         "truth": bytes_from_display(bench.photo(view)),
         "albedo": bytes_from_display(albedo),

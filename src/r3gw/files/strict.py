@@ -30,7 +30,7 @@ def validated(model: type[Settings], values: Mapping[str, Any], source: str) -> 
     try:
         return model.model_validate(values)
     except ValidationError as error:
-        raise InputError(f"{source}: {_first_error(error, model)}") from None
+        raise InputError(f"{source}: {_first_error(error, model, values)}") from None
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -50,20 +50,41 @@ def read_yaml(path: Path) -> dict[str, Any]:
     return content
 
 
-def _first_error(error: ValidationError, model: type[BaseModel]) -> str:
+def _first_error(error: ValidationError, model: type[BaseModel], values: Mapping[str, Any]) -> str:
     # A misspelt key is also a missing one: the misspelling says more.
     errors = error.errors()
     first = next((e for e in errors if e["type"] == "extra_forbidden"), errors[0])
-    key = ".".join(str(part) for part in first["loc"]) or "(whole file)"
-    if first["type"] == "extra_forbidden":
+    kind, loc, value = first["type"], first["loc"], first["input"]
+    if kind.startswith("union_tag"):
+        # The key that says which settings these are: missing, or with an unknown value.
+        tag = str(first["ctx"]["discriminator"]).strip("'")
+        kind = "missing" if kind == "union_tag_not_found" else kind
+        loc, value = (*loc, tag), value.get(tag) if isinstance(value, Mapping) else value
+    key = ".".join(_own_keys(loc, values)) or "(whole file)"
+    if kind == "extra_forbidden":
         wrong = str(first["loc"][-1])
         # The key may be right elsewhere: `study.seed`, where `seeds` is meant.
         near = get_close_matches(wrong, _all_keys(model) - {wrong}, n=1, cutoff=0.6)
         hint = f"; did you mean '{near[0]}'?" if near else "; remove it or see config/README.md"
         return f"unknown key '{key}'{hint}"
-    if first["type"] == "missing":
+    if kind == "missing":
         return f"key '{key}' is missing; see config/README.md"
-    return f"key '{key}' has the value {first['input']!r}: {first['msg']}"
+    return f"key '{key}' has the value {value!r}: {first['msg']}"
+
+
+def _own_keys(loc: tuple[int | str, ...], values: Any) -> list[str]:
+    """The keys and numbers of ``loc`` that are in the user's file, and a missing last one.
+
+    What pydantic adds of its own, such as the chosen member of a union, is left out.
+    """
+    keys = []
+    for number, part in enumerate(loc):
+        is_there = part in values if isinstance(values, Mapping) else isinstance(part, int)
+        if is_there or number == len(loc) - 1:
+            keys.append(str(part))
+        if is_there and isinstance(values, Mapping | list):
+            values = values[part]  # type: ignore[index]
+    return keys
 
 
 def _all_keys(model: type[BaseModel]) -> set[str]:

@@ -1,49 +1,89 @@
-"""Image files: 8-bit pictures (PNG, JPEG) and linear float pictures (EXR, HDR), RGB order.
+"""Image files as the project uses them: 8-bit pictures and linear float pictures, RGB order.
 
-OpenCV reads and writes; EXR goes through the OpenEXR package. Every error names the file.
+How formats are decoded is known by r3gw.imaging.decode, exr and radiance. Every error names the
+file.
 """
 
 from pathlib import Path
 
 import cv2
 import numpy as np
-import OpenEXR
 from numpy.typing import NDArray
 
-from r3gw.files import InputError, atomic_path
+from r3gw.files import InputError, write_bytes
+from r3gw.imaging.decode import Picture, eight_bits, read_picture
+from r3gw.imaging.exr import read_exr, write_exr
+from r3gw.imaging.formats import HDR_SUFFIXES, LDR_SUFFIXES, WRITTEN_SUFFIXES
+from r3gw.imaging.radiance import read_radiance
 
-LDR_SUFFIXES = (".png", ".jpg", ".jpeg")
-HDR_SUFFIXES = (".exr", ".hdr")
+__all__ = [
+    "HDR_SUFFIXES",
+    "LDR_SUFFIXES",
+    "WRITTEN_SUFFIXES",
+    "read_grey",
+    "read_labels",
+    "read_linear",
+    "read_rgb",
+    "read_rgb_as_stored",
+    "rgb_of",
+    "write_exr",
+    "write_image",
+]
+
+_JPEG_OPTIONS = (
+    cv2.IMWRITE_JPEG_QUALITY,
+    95,
+    cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
+    cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
+)
 
 
 def read_rgb(path: Path) -> NDArray[np.uint8]:
-    """Read an 8-bit picture as RGB ``[H, W, 3]``; EXIF orientation is applied.
+    """Read a picture as 8-bit RGB ``[H, W, 3]``; EXIF orientation is applied, alpha dropped.
 
     Raises:
         InputError: If the file is missing, truncated or no picture.
     """
-    return cv2.cvtColor(_read(path, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB).astype(np.uint8)
+    return rgb_of(read_picture(path).upright(), path)
 
 
 def read_rgb_as_stored(path: Path) -> NDArray[np.uint8]:
-    """Read an 8-bit picture as RGB ``[H, W, 3]`` in the order of its pixels on disk.
+    """Read a picture as 8-bit RGB ``[H, W, 3]`` in the order of its pixels on disk.
 
     EXIF orientation is not applied: COLMAP's cameras describe the stored pixels.
 
     Raises:
         InputError: If the file is missing, truncated or no picture.
     """
-    bgr = _read(path, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
-    return cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB).astype(np.uint8)
+    return rgb_of(read_picture(path), path)
+
+
+def rgb_of(picture: Picture, path: Path) -> NDArray[np.uint8]:
+    """The 8-bit RGB ``[H, W, 3]`` of a decoded picture; ``path`` is for errors.
+
+    Raises:
+        InputError: If it holds float values.
+    """
+    if picture.pixels.dtype == np.float32:
+        raise InputError(
+            f"{path}: holds float values; save photos with 8 or 16 bits, and maps of light as EXR"
+        )
+    pixels = eight_bits(picture.pixels)
+    if pixels.ndim == 3:
+        return np.ascontiguousarray(pixels)
+    return np.ascontiguousarray(np.repeat(pixels[..., None], 3, axis=2))
 
 
 def read_grey(path: Path) -> NDArray[np.uint8]:
-    """Read an 8-bit picture as grey ``[H, W]``.
+    """Read a picture as 8-bit grey ``[H, W]``, as stored; alpha is dropped.
 
     Raises:
         InputError: If the file is missing, truncated or no picture.
     """
-    return _read(path, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION).astype(np.uint8)
+    pixels = eight_bits(read_picture(path).pixels)
+    if pixels.ndim == 2:
+        return pixels
+    return cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY).astype(np.uint8)
 
 
 def read_labels(path: Path) -> NDArray[np.uint8]:
@@ -52,85 +92,44 @@ def read_labels(path: Path) -> NDArray[np.uint8]:
     Raises:
         InputError: If the file is missing, truncated, no picture or not of 8 bits.
     """
-    pixels = _read(path, cv2.IMREAD_UNCHANGED)
+    pixels = read_picture(path).pixels
     if pixels.dtype != np.uint8:
         raise InputError(f"{path}: holds {pixels.dtype} values; save the label map with 8 bits")
-    if pixels.ndim == 2:
-        return pixels.astype(np.uint8)
-    return cv2.cvtColor(pixels[..., :3], cv2.COLOR_BGR2RGB).astype(np.uint8)
+    return pixels.astype(np.uint8)
 
 
 def write_image(path: Path, image: NDArray[np.uint8] | NDArray[np.bool_]) -> None:
-    """Write RGB ``[H, W, 3]``, grey ``[H, W]`` or a mask (True = white), atomically.
+    """Write RGB ``[H, W, 3]``, RGBA ``[H, W, 4]``, grey ``[H, W]`` or a mask (True = white).
 
-    The format follows the suffix; JPEG uses quality 95 without chroma subsampling.
+    The file appears whole or not at all. The format follows the suffix; JPEG uses quality 95
+    without chroma subsampling.
     """
     pixels = image.astype(np.uint8) * (255 if image.dtype == np.bool_ else 1)
     if image.ndim == 3:
-        pixels = cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR).astype(np.uint8)
-    jpeg = [
-        cv2.IMWRITE_JPEG_QUALITY,
-        95,
-        cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
-        cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
-    ]
-    with atomic_path(path) as temporary:
-        if not cv2.imwrite(str(temporary), pixels, jpeg if path.suffix != ".png" else []):
-            raise OSError(f"could not write {path}")
+        code = cv2.COLOR_RGBA2BGRA if image.shape[2] == 4 else cv2.COLOR_RGB2BGR
+        pixels = cv2.cvtColor(pixels, code).astype(np.uint8)
+    suffix = path.suffix.lower()
+    options = () if suffix == ".png" else _JPEG_OPTIONS
+    # Encoded in memory and written by Python, which reports a full disk; OpenCV does not.
+    done, encoded = cv2.imencode(suffix, pixels, options)
+    if not done:
+        raise OSError(f"{path}: could not be encoded")
+    write_bytes(path, encoded.tobytes())
 
 
 def read_linear(path: Path) -> NDArray[np.float32]:
-    """Read an EXR or Radiance HDR picture as linear float32 ``[H, W, 3]``.
+    """Read an EXR or Radiance HDR picture as linear float32 ``[H, W, 3]``; grey becomes RGB.
 
     Raises:
-        InputError: If the file is missing, unreadable or holds values that are not finite.
+        InputError: If the file is missing, unreadable, has no meaning as RGB, or holds values
+            that are not finite.
     """
-    if path.suffix.lower() == ".exr":
-        if not path.is_file():
-            raise InputError(f"{path}: no such picture")
-        try:
-            channels = OpenEXR.File(str(path)).channels()
-        except Exception as error:  # OpenEXR raises several unrelated types
-            raise InputError(f"{path}: not a readable EXR picture ({error})") from error
-        pixels = channels["RGB"].pixels if "RGB" in channels else channels["RGBA"].pixels[..., :3]
-        image = np.asarray(pixels, dtype=np.float32)
-    else:
-        bgr = _read(path, cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR)
-        image = cv2.cvtColor(bgr.astype(np.float32), cv2.COLOR_BGR2RGB).astype(np.float32)
-    if not np.isfinite(image).all():
-        raise InputError(f"{path}: holds NaN or infinite values; repair or replace the picture")
+    image = read_exr(path) if path.suffix.lower() == ".exr" else read_radiance(path)
+    is_wrong = ~np.isfinite(image).all(axis=2)
+    if is_wrong.any():
+        row, column = np.argwhere(is_wrong)[0]
+        raise InputError(
+            f"{path}: holds NaN or infinite values in {is_wrong.sum()} pixels, the first at column "
+            f"{column}, row {row}; repair or replace the picture"
+        )
     return image
-
-
-def write_exr(path: Path, image: NDArray[np.float32]) -> None:
-    """Write linear float32 RGB ``[H, W, 3]`` as a 32-bit EXR, atomically."""
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    with atomic_path(path) as temporary:
-        channels = {"RGB": np.ascontiguousarray(image, dtype=np.float32)}
-        OpenEXR.File(header, channels).write(str(temporary))
-
-
-def _read(path: Path, flags: int) -> NDArray[np.integer] | NDArray[np.floating]:
-    if not path.is_file():
-        raise InputError(f"{path}: no such picture")
-    image = cv2.imread(str(path), flags)
-    if image is None or not _jpeg_is_whole(path):
-        raise InputError(f"{path}: not a readable picture (truncated or of another format?)")
-    return np.asarray(image)  # type: ignore[return-value]
-
-
-def _jpeg_is_whole(path: Path) -> bool:
-    """Whether a JPEG reaches its end marker; OpenCV fills a cut-off one with grey, without a word.
-
-    Walks the segments to the start of the scan (ITU T.81, Annex B), so that neither a thumbnail
-    before it nor data appended behind the picture counts. Other formats are whole here.
-    """
-    data = path.read_bytes()
-    if data[:2] != b"\xff\xd8":
-        return True
-    position = 2
-    while data[position : position + 2] not in (b"\xff\xda", b""):
-        filler = data[position : position + 2] == b"\xff\xff"
-        length = int.from_bytes(data[position + 2 : position + 4], "big")
-        position += 1 if filler else 2 + length
-    return data.find(b"\xff\xd9", position) >= 0

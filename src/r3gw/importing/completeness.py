@@ -4,7 +4,7 @@
 hold is checked by the readers.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 from r3gw.files import InputError
@@ -29,13 +29,14 @@ from r3gw.importing.split import find_split_file, read_split
 _MOST = 20  # names in one sentence
 
 
-def missing_files(settings: SceneSettings, source: Path) -> list[str]:
+def missing_files(settings: SceneSettings, source: Path, given: Collection[str] = ()) -> list[str]:
     """Names of the files that a scene needs and ``source`` does not hold, in a fixed order.
 
     Args:
-        settings: The scene's entry in the configuration; with ``sky_masks: given``, every photo
-            needs a sky mask.
+        settings: What the scene's entry in the configuration says about its source.
         source: Folder (or video) of the scene.
+        given: Kinds of masks that every photo of layout A must come with; the mask stage makes the
+            others if they are missing.
 
     Raises:
         InputError: If a list that names the files is itself unreadable.
@@ -52,17 +53,19 @@ def missing_files(settings: SceneSettings, source: Path) -> list[str]:
     elif isinstance(settings, NerfOsrOriginalScene):
         find = _of_nerf_osr_original
     else:
-        return _of_layout_a(settings, source)
+        return _of_layout_a(settings, source, given)
     return find(source) + _of_evaluation(source / "eval_files")
 
 
-def require_complete(name: str, settings: SceneSettings, source: Path) -> None:
-    """Refuse a scene that lacks files.
+def require_complete(
+    name: str, settings: SceneSettings, source: Path, given: Collection[str] = ()
+) -> None:
+    """Refuse a scene that lacks files (`missing_files`).
 
     Raises:
         InputError: Naming the missing files.
     """
-    if missing := missing_files(settings, source):
+    if missing := missing_files(settings, source, given):
         if missing == [str(source)]:
             raise InputError(f"{source}: no such file or folder; correct 'path' of scene '{name}'")
         files = f"{len(missing)} files are" if len(missing) > 1 else "one file is"
@@ -72,7 +75,9 @@ def require_complete(name: str, settings: SceneSettings, source: Path) -> None:
         )
 
 
-def _of_layout_a(settings: SyntheticScene | NerfOsrScene, source: Path) -> list[str]:
+def _of_layout_a(
+    settings: SyntheticScene | NerfOsrScene, source: Path, given: Collection[str]
+) -> list[str]:
     undistorted, eval_files = source / "undistorted", source / "eval_files"
     if not undistorted.is_dir():
         return ["undistorted/"]
@@ -81,7 +86,7 @@ def _of_layout_a(settings: SyntheticScene | NerfOsrScene, source: Path) -> list[
     photos = pictures_by_key(undistorted / "images")
     unseen = [line.filename for key, line in lines.items() if key not in photos]
     missing += [f"undistorted/images/{name}" for name in unseen]
-    if settings.sky_masks == "given":
+    if "is_sky" in given:
         masks = mask_files(undistorted / "sky_masks")
         unmasked = [Path(line.filename).stem for key, line in lines.items() if key not in masks]
         missing += [f"undistorted/sky_masks/{stem}.png" for stem in unmasked]

@@ -1,31 +1,30 @@
-"""The entry of a scene in config.yaml: where it is imported from, and where its masks come from."""
+"""Where a scene is imported from and how: the keys of its entry in config.yaml about its source."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError
 
+from r3gw.benchmark.settings import BenchmarkSettings
 from r3gw.files import InputError
-from r3gw.masks.settings import MaskSources, SkyMasks
+from r3gw.files.strict import Strict
 
 
-class SyntheticScene(MaskSources):
+class SyntheticScene(BenchmarkSettings):
     """A scene of the embedded benchmark, made by the project itself."""
 
     format: Literal["synthetic"]
-    building: str
-    seed: int = Field(0, ge=0)
-    width_px: int = Field(240, ge=16)
-    height_px: int = Field(180, ge=16)
-    train_views: int = Field(20, ge=2)
-    test_views: int = Field(4, ge=1)
-    samples: int = Field(20, ge=1)
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
-    sky_masks: SkyMasks = "given"
+
+    def benchmark(self) -> BenchmarkSettings:
+        """What is rendered, without how it is imported."""
+        return BenchmarkSettings(
+            **{key: getattr(self, key) for key in BenchmarkSettings.model_fields}
+        )
 
 
-class NerfOsrScene(MaskSources):
+class NerfOsrScene(Strict):
     """A NeRF-OSR scene as LumiGauss prepared it (docs/data.md)."""
 
     format: Literal["nerf-osr"]
@@ -35,7 +34,7 @@ class NerfOsrScene(MaskSources):
     evaluated_views: list[str] = Field(default_factory=list)
 
 
-class _PosedScene(MaskSources):
+class _PosedScene(Strict):
     """Photos with known cameras, in a world of any scale and, maybe, any tilt."""
 
     path: str
@@ -62,7 +61,7 @@ class NerfstudioScene(_PosedScene):
     format: Literal["nerfstudio"]
 
 
-class PhotosScene(MaskSources):
+class PhotosScene(Strict):
     """A folder of anybody's photos, or a video."""
 
     format: Literal["photos"]
@@ -85,7 +84,7 @@ SceneSettings = Annotated[
 
 
 def parse_scene(values: Mapping[str, Any], source: str) -> SceneSettings:
-    """Validate one entry of ``scenes``.
+    """Validate what an entry of ``scenes`` says about its source.
 
     Raises:
         InputError: On the first unknown key, missing key or wrong value.

@@ -3,24 +3,26 @@
 A map is linear RGB ``[H, 2H, 3]`` in this project's convention (r3gw.lighting.envmap). Sky and sun
 are Mitsuba's `sunsky` model times `SKY_SCALE`; the lower half is a Lambertian ground lit by the
 upper half. The sun's energy lies in the four pixels around its direction, so it is wider than the
-real 0.53 degrees, with its irradiance kept. Importing this module selects Mitsuba's variant
-`scalar_rgb`, the one that needs no LLVM.
+real 0.53 degrees, with its irradiance kept. Mitsuba is imported by the first map.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import cos, pi, radians, sin
+from typing import Any
 
-import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from r3gw.files.extras import optional_module
 from r3gw.geometry.cameras import UP
 from r3gw.lighting.envmap import pixel_directions
 
-mi.set_variant("scalar_rgb")
-
 Map = NDArray[np.float64]
 
+MAP_HEIGHT_PX = 64  # of a clear day's map, where nobody asks for another
+VARIANT = "scalar_rgb"  # the one of Mitsuba's that needs no LLVM
 SKY_SCALE = 10.0
 GROUND_ALBEDO = np.array([0.24, 0.23, 0.2])
 SUN_DIAMETER_DEG = 0.5358
@@ -66,15 +68,13 @@ def clear_day(sun: Sun, height: int) -> Map:
 
 def clear_sky(sun: Sun, height: int) -> Map:
     """The sky without the sun's disc; the lower half is 0."""
-    model = _sky_model(sun, SKY_SCALE, 0.0)
     upper = pixel_directions(height, 2 * height).numpy()[: height // 2]
-    values = _evaluate(model, upper.reshape(-1, 3)).reshape(upper.shape)
+    values = _radiance(sun, upper.reshape(-1, 3), SKY_SCALE, 0.0).reshape(upper.shape)
     return np.concatenate([np.maximum(values, 0.0), np.zeros_like(values)])
 
 
 def sun_irradiance(sun: Sun) -> NDArray[np.float64]:
     """Irradiance of the sun on a plane that faces it: its radiance over rings of the disc."""
-    model = _sky_model(sun, 0.0, SKY_SCALE)
     radius, rings = radians(SUN_DIAMETER_DEG / 2), 24
     towards = sun.direction
     level = np.cross(towards, UP)
@@ -82,8 +82,9 @@ def sun_irradiance(sun: Sun) -> NDArray[np.float64]:
     turns = (np.arange(rings) + 0.5) / rings * radius
     points = towards * np.cos(turns)[:, None] + level * np.sin(turns)[:, None]
     area = 2 * pi * np.sin(turns) * radius / rings
-    irradiance: NDArray[np.float64] = (_evaluate(model, points) * area[:, None]).sum(axis=0)
-    return np.maximum(irradiance, 0.0)
+    irradiance = (_radiance(sun, points, 0.0, SKY_SCALE) * area[:, None]).sum(axis=0)
+    clamped: NDArray[np.float64] = np.maximum(irradiance, 0.0)
+    return clamped
 
 
 def splat(irradiance: NDArray[np.float64], sun: Sun, height: int) -> Map:
@@ -101,28 +102,38 @@ def splat(irradiance: NDArray[np.float64], sun: Sun, height: int) -> Map:
     return light / solid_angles(height)
 
 
-def _sky_model(sun: Sun, sky: float, disc: float) -> mi.Emitter:
-    """Mitsuba's emitter with its zenith (+z) turned to the world's up (-y)."""
-    upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
-    model: mi.Emitter = mi.load_dict(
-        {
-            "type": "sunsky",
-            "sun_direction": [float(x) for x in sun.direction],
-            "turbidity": sun.turbidity,
-            "albedo": {"type": "rgb", "value": [float(x) for x in GROUND_ALBEDO]},
-            "sky_scale": sky,
-            "sun_scale": disc,
-            "to_world": upright,
-        }
-    )
-    return model
-
-
-def _evaluate(emitter: mi.Emitter, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Radiance ``[N, 3]`` from directions ``[N, 3]``."""
-    interaction = mi.SurfaceInteraction3f()
-    values = np.empty_like(directions)
-    for i, (x, y, z) in enumerate(-directions):
-        interaction.wi = mi.Vector3f(float(x), float(y), float(z))
-        values[i] = np.asarray(emitter.eval(interaction))
+def _radiance(
+    sun: Sun, directions: NDArray[np.float64], sky_scale: float, sun_scale: float
+) -> NDArray[np.float64]:
+    """Radiance ``[N, 3]`` of Mitsuba's `sunsky` from directions ``[N, 3]``."""
+    with _mitsuba() as mi:
+        emitter = mi.load_dict(
+            {
+                "type": "sunsky",
+                "sun_direction": [float(x) for x in sun.direction],
+                "turbidity": sun.turbidity,
+                "albedo": {"type": "rgb", "value": [float(x) for x in GROUND_ALBEDO]},
+                "sky_scale": sky_scale,
+                "sun_scale": sun_scale,
+                # Mitsuba's zenith (+z) turned to the world's up (-y).
+                "to_world": mi.ScalarTransform4f().rotate([1, 0, 0], 90),
+            }
+        )
+        interaction = mi.SurfaceInteraction3f()
+        values = np.empty_like(directions)
+        for i, (x, y, z) in enumerate(-directions):
+            interaction.wi = mi.Vector3f(float(x), float(y), float(z))
+            values[i] = np.asarray(emitter.eval(interaction))
     return values
+
+
+@contextmanager
+def _mitsuba() -> Iterator[Any]:
+    """Mitsuba in `VARIANT`; a variant that the caller's program has chosen is chosen again."""
+    mitsuba = optional_module("mitsuba")
+    before = mitsuba.variant()
+    mitsuba.set_variant(VARIANT)
+    try:
+        yield mitsuba
+    finally:
+        mitsuba.set_variant(before or VARIANT)

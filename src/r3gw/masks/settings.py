@@ -1,4 +1,4 @@
-"""Where the masks of a scene come from: part of a scene's entry in config.yaml (data.md D)."""
+"""Where the masks of a scene come from: the keys of its entry in config.yaml about masks."""
 
 from typing import Annotated, Literal
 
@@ -93,7 +93,3 @@ class MaskSources(Strict):
         if "network" in named and self.network is None:
             raise ValueError("masks shall come from a network, but the entry names none: 'network'")
         return self
-
-    def mask_sources(self) -> "MaskSources":
-        """These keys alone, without the rest of a scene's entry."""
-        return MaskSources(**{key: getattr(self, key) for key in MaskSources.model_fields})

@@ -8,8 +8,8 @@ from pydantic import Field
 
 from r3gw.files import InputError
 from r3gw.files.strict import Strict, read_yaml, validated
-from r3gw.importing.settings import SceneSettings
 from r3gw.model.settings import TrainSettings
+from r3gw.pipeline.scene_entry import SceneEntry
 from r3gw.pipeline.study import StudySettings
 
 SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
@@ -29,7 +29,7 @@ class Config(Strict):
     is for ``snakemake study`` alone.
     """
 
-    scenes: dict[SceneName, SceneSettings] = Field(min_length=1)
+    scenes: dict[SceneName, SceneEntry] = Field(min_length=1)
     variants: list[str] = Field(min_length=1)
     seeds: list[int] = Field(min_length=1)
     ablations: AblationSettings

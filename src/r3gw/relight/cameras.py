@@ -22,8 +22,8 @@ SMALLEST_STEP = 1e-6  # between two photos from the same spot, in units of the p
 
 
 @dataclass(frozen=True)
-class CameraChoice:
-    """Which cameras to use.
+class CameraOptions:
+    """The camera of a picture or a film.
 
     Attributes:
         views: Names of photos: one stands still, several make a smooth path.
@@ -41,33 +41,35 @@ class CameraChoice:
         return len(self.views) > 1 or (self.orbit_deg is not None and self.orbit_deg.moves)
 
 
-def chosen_cameras(
-    scene: Scene, choice: CameraChoice, middle: Float[Tensor, "3"], shares: list[float]
+def cameras_over_time(
+    scene: Scene, options: CameraOptions, middle: Float[Tensor, "3"], times: list[float]
 ) -> list[Camera]:
-    """One camera per share (0 to 1) of the film.
+    """One camera for each of the times (0 to 1) of a film.
 
     Args:
         scene: Holds the views.
-        choice: Which of them.
+        options: How the camera stands or moves.
         middle: Middle of the scene's surfaces, the prior of `focus`.
-        shares: When.
+        times: Of the frames.
 
     Raises:
-        InputError: If a view is unknown, or an orbit has not exactly one view.
+        InputError: If a view is unknown or none is given, or an orbit has not exactly one view.
     """
-    cameras = [view_named(scene, name).camera for name in choice.views]
-    if choice.width_px is not None:
-        height = max(1, round(cameras[0].height * choice.width_px / cameras[0].width))
-        cameras[0] = cameras[0].scaled(choice.width_px, height)
-    if choice.orbit_deg is not None:
+    if not options.views:
+        raise InputError("pictures need the camera of at least one view")
+    cameras = [view_named(scene, name).camera for name in options.views]
+    if options.width_px is not None:
+        height = max(1, round(cameras[0].height * options.width_px / cameras[0].width))
+        cameras[0] = cameras[0].scaled(options.width_px, height)
+    if options.orbit_deg is not None:
         if len(cameras) != 1:
             raise InputError(f"an orbit starts from one view, but {len(cameras)} are given")
         centre = focus([view.camera for view in scene.split("train")], middle)
-        turns = [radians(choice.orbit_deg.at(share)) for share in shares]
+        turns = [radians(options.orbit_deg.at(time)) for time in times]
         return [orbited(cameras[0], centre, turn) for turn in turns]
     if len(cameras) == 1:
-        return cameras * len(shares)
-    return path(cameras, shares)
+        return cameras * len(times)
+    return path(cameras, times)
 
 
 def view_named(scene: Scene, name: str) -> View:
@@ -120,7 +122,7 @@ def orbited(camera: Camera, centre: Float[Tensor, "3"], turn_rad: float) -> Came
     return Camera(cam_from_world, camera.intrinsics, camera.width, camera.height)
 
 
-def path(cameras: list[Camera], shares: list[float]) -> list[Camera]:
+def path(cameras: list[Camera], times: list[float]) -> list[Camera]:
     """A smooth path through cameras, in the first one's picture size.
 
     Positions follow a natural cubic spline and orientations a rotation spline, both over the
@@ -132,9 +134,9 @@ def path(cameras: list[Camera], shares: list[float]) -> list[Camera]:
     steps = np.maximum(steps, max(SMALLEST_STEP * float(steps.sum()), SMALLEST_STEP))
     knots = np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
     rotations = Rotation.from_matrix(np.stack([c.cam_from_world[:3, :3] for c in cameras]))
-    lenses = PchipInterpolator(knots, np.stack([_lens(camera) for camera in cameras]))(shares)
-    positions = CubicSpline(knots, centres, bc_type="natural")(shares)
-    turns = RotationSpline(knots, rotations)(shares).as_matrix()
+    lenses = PchipInterpolator(knots, np.stack([_lens(camera) for camera in cameras]))(times)
+    positions = CubicSpline(knots, centres, bc_type="natural")(times)
+    turns = RotationSpline(knots, rotations)(times).as_matrix()
     found = []
     for position, turn, lens in zip(positions, turns, lenses, strict=True):
         cam_from_world = torch.eye(4, dtype=torch.float64)

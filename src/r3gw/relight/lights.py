@@ -1,115 +1,134 @@
-"""Light over a film: an environment map, learned lights and blends of them, or the sun."""
+"""Light over the time of a film: an environment map, learned lights and blends of them, or the sun.
+
+Time runs from 0 at the first frame to 1 at the last; a picture is a film of one frame, at 0.
+"""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from math import radians
+from dataclasses import dataclass
 from pathlib import Path
+from statistics import median_low
 from typing import Literal
 
-import torch
-from jaxtyping import Float
-from torch import Tensor
-
 from r3gw.files import InputError
-from r3gw.geometry.rotations import rotation_about_axis
-from r3gw.lighting import envmap
-from r3gw.lighting.daylight import Sun, clear_day
-from r3gw.lighting.maps import light_of_map, linear_env_map
-from r3gw.lighting.sh_rotation import rotate
-from r3gw.relight.picture import EnvMap, Illumination
-from r3gw.relight.scene import Relightable
+from r3gw.lighting.light import Light
+from r3gw.relight.gaussians import Relightable
 from r3gw.relight.sweep import Sweep
 
 WHITE_SKY, LEARNED_SKY, MAP_SKY = "white", "learned", "map"
-SUN_MAP_HEIGHT_PX = 64
 STILL = Sweep((0.0,))
 
 
 @dataclass(frozen=True)
-class SunChoice:
-    """A clear day; elevation and azimuth in degrees, turbidity 1 (clear) to 10 (hazy)."""
+class MapSource:
+    """An environment map's file: .exr or .hdr (linear), .png or .jpg (display values)."""
+
+    path: Path
+    moves = False
+
+
+@dataclass(frozen=True)
+class PhotoSource:
+    """Light learned for a training photo, or a blend of two.
+
+    Attributes:
+        photos: One name, or two.
+        blend: Weight of the second photo's light, 0 to 1.
+    """
+
+    photos: tuple[str, ...]
+    blend: Sweep = STILL
+
+    @property
+    def moves(self) -> bool:
+        """Whether the light changes over time."""
+        return self.blend.moves
+
+
+@dataclass(frozen=True)
+class SunSource:
+    """A clear day.
+
+    Attributes:
+        elevation_deg: Of the sun above the horizon, 0 to 90.
+        azimuth_deg: Of the sun, from +z towards +x.
+        turbidity: Haze, 1 (clear) to 10.
+    """
 
     elevation_deg: Sweep
     azimuth_deg: Sweep
     turbidity: float = 3.0
 
+    @property
+    def moves(self) -> bool:
+        """Whether the light changes over time."""
+        return self.elevation_deg.moves or self.azimuth_deg.moves
+
 
 @dataclass(frozen=True)
-class LightChoice:
-    """Which light; exactly one of ``env_map``, ``photos`` and ``sun`` is given.
+class LightOptions:
+    """The light of a picture or a film.
 
     Attributes:
-        env_map: .exr or .hdr (linear), .png or .jpg (display values).
-        photos: One training photo, or two whose learned lights are blended.
-        sun: A sun position.
-        blend: Share of the second photo, 0 to 1.
+        source: Where the light comes from.
         yaw_deg: Turn of the light and of its sky about the vertical, from +z towards +x.
         exposure: Factor on the light and on its sky; ``auto`` makes its mean radiance that of
             the scene's learned lights; None is auto for the sun, else 1.
-        sky: ``white``, ``map``, ``learned`` or ``learned:PHOTO``; None is the light's own.
+        sky: ``white``, ``map``, ``learned`` or ``learned:PHOTO``; None is the source's own.
     """
 
-    env_map: Path | None = None
-    photos: tuple[str, ...] = ()
-    sun: SunChoice | None = None
-    blend: Sweep = STILL
+    source: MapSource | PhotoSource | SunSource
     yaw_deg: Sweep = STILL
     exposure: float | Literal["auto"] | None = None
     sky: str | None = None
 
     @property
     def moves(self) -> bool:
-        """Whether frames have different lights."""
-        sun = (self.sun.elevation_deg, self.sun.azimuth_deg) if self.sun else ()
-        return any(sweep.moves for sweep in (self.blend, self.yaw_deg, *sun))
+        """Whether the light changes over time."""
+        return self.source.moves or self.yaw_deg.moves
 
 
-Lighting = Callable[[float], Illumination]
+LightOverTime = Callable[[float], Light]
 
 
-def lighting(splats: Relightable, choice: LightChoice, origin: Path) -> Lighting:
-    """The illumination as a function of the share (0 to 1) of the film.
-
-    Args:
-        splats: The scene, with its learned lights.
-        choice: What is wanted.
-        origin: The scene's file, for messages.
+def light_over_time(gaussians: Relightable, options: LightOptions) -> LightOverTime:
+    """The light as a function of the time of a film.
 
     Raises:
-        InputError: If not exactly one light is given, a photo or sky is unknown, a map
-            unreadable, or a number out of range.
+        InputError: If a photo or sky is unknown, a map unreadable, a number out of range, or a
+            sky does not go with the light.
     """
-    _refuse_contradictions(choice)
-    if choice.env_map is not None:
-        own = _map_lighting(linear_env_map(choice.env_map), splats.light_degree)
-    elif choice.sun is not None:
-        own = _sun_lighting(choice.sun, splats.light_degree)
-    else:
-        own = _learned_lighting(splats, choice, origin)
-    seen = _sky(splats, choice, origin)
-    exposure = _exposure(splats, choice, own, origin)
-
-    def at(share: float) -> Illumination:
-        yaw = radians(choice.yaw_deg.at(share))
-        return _turned(seen(own(share)), yaw, exposure)
-
-    return at
+    match options.source:
+        case MapSource(path):
+            still = Light.from_map(path, degree=gaussians.light_degree)
+            own: LightOverTime = lambda _: still  # noqa: E731
+        case PhotoSource():
+            own = _learned(gaussians, options.source)
+        case SunSource():
+            own = _sun(options.source, gaussians.light_degree)
+    with_sky = _sky(gaussians, options)
+    exposure = _exposure(gaussians, options, own)
+    return lambda time: with_sky(own(time)).turned(options.yaw_deg.at(time)).times(exposure)
 
 
-def _refuse_contradictions(choice: LightChoice) -> None:
-    given = (choice.env_map is not None, bool(choice.photos), choice.sun is not None)
-    if sum(given) != 1:
-        raise InputError(
-            "relighting needs exactly one light: give --env-map, or --light-of, or --sun"
-        )
-    if len(choice.photos) > 2:
-        raise InputError(f"at most two learned lights can be blended, not {len(choice.photos)}")
-    _within(choice.blend, 0.0, 1.0, "the share of a blend")
-    if choice.blend != STILL and len(choice.photos) != 2:
-        raise InputError("a blend needs two learned lights: give --light-of twice")
-    if choice.sun is not None:
-        _within(choice.sun.elevation_deg, 0.0, 90.0, "the sun's elevation in degrees")
-        _within(Sweep((choice.sun.turbidity,)), 1.0, 10.0, "turbidity")
+def _learned(gaussians: Relightable, source: PhotoSource) -> LightOverTime:
+    if len(source.photos) not in (1, 2):
+        raise InputError(f"one learned light, or a blend of two, not {len(source.photos)}")
+    _within(source.blend, 0.0, 1.0, "the weight of a blend")
+    if source.blend != STILL and len(source.photos) != 2:
+        raise InputError("a blend needs the learned lights of two photos")
+    first, last = (gaussians.light_of(source.photos[i]) for i in (0, -1))
+    return lambda time: first.blended(last, source.blend.at(time))
+
+
+def _sun(source: SunSource, degree: int) -> LightOverTime:
+    _within(source.elevation_deg, 0.0, 90.0, "the sun's elevation in degrees")
+
+    def at(time: float) -> Light:
+        elevation_deg, azimuth_deg = source.elevation_deg.at(time), source.azimuth_deg.at(time)
+        return Light.sun(elevation_deg, azimuth_deg, turbidity=source.turbidity, degree=degree)
+
+    still = at(0.0)
+    return at if source.moves else lambda _: still
 
 
 def _within(sweep: Sweep, low: float, high: float, what: str) -> None:
@@ -118,79 +137,44 @@ def _within(sweep: Sweep, low: float, high: float, what: str) -> None:
             raise InputError(f"{what} must be {low:g} to {high:g}, not {value:g}")
 
 
-def _map_lighting(env_map: Float[Tensor, "h w 3"], degree: int) -> Lighting:
-    shown = Illumination(light_of_map(env_map, degree), env_map=EnvMap.of(env_map))
-    return lambda _: shown
-
-
-def _sun_lighting(choice: SunChoice, degree: int) -> Lighting:
-    directions = envmap.pixel_directions(SUN_MAP_HEIGHT_PX, 2 * SUN_MAP_HEIGHT_PX)
-    weights = envmap.projection_weights(directions, degree)
-
-    def at(share: float) -> Illumination:
-        sun = Sun(choice.azimuth_deg.at(share), choice.elevation_deg.at(share), choice.turbidity)
-        day = torch.from_numpy(clear_day(sun, SUN_MAP_HEIGHT_PX)).float()
-        return Illumination(envmap.projected(day, weights), env_map=EnvMap.of(day))
-
-    if choice.azimuth_deg.moves or choice.elevation_deg.moves:
-        return at
-    still = at(0.0)
-    return lambda _: still
-
-
-def _learned_lighting(splats: Relightable, choice: LightChoice, origin: Path) -> Lighting:
-    first = splats.light_of(choice.photos[0], origin)
-    last = splats.light_of(choice.photos[-1], origin)
-
-    def at(share: float) -> Illumination:
-        weight = choice.blend.at(share)
-        light, sky = (torch.lerp(a, b, weight) for a, b in zip(first, last, strict=True))
-        return Illumination(light, sky_light=sky)
-
-    return at
-
-
-def _sky(
-    splats: Relightable, choice: LightChoice, origin: Path
-) -> Callable[[Illumination], Illumination]:
-    """How an illumination's own sky is replaced by the one that was asked for."""
-    name, _, photo = (choice.sky or "").partition(":")
-    is_learned = bool(choice.photos)
-    if choice.sky is None or (choice.sky == LEARNED_SKY and is_learned):
-        return lambda shown: shown
-    if choice.sky == WHITE_SKY:
-        return lambda shown: Illumination(shown.light)
-    if choice.sky == MAP_SKY:
+def _sky(gaussians: Relightable, options: LightOptions) -> Callable[[Light], Light]:
+    """How a light gets the sky that was asked for."""
+    name, _, photo = (options.sky or "").partition(":")
+    is_learned = isinstance(options.source, PhotoSource)
+    if options.sky is None or (options.sky == LEARNED_SKY and is_learned):
+        return lambda light: light
+    if options.sky == WHITE_SKY:
+        return lambda light: light.with_sky(None)
+    if options.sky == MAP_SKY:
         if is_learned:
-            raise InputError("sky 'map' needs a map to show: light with --env-map or --sun")
-        return lambda shown: shown
+            raise InputError("sky 'map' needs the light of an environment map or of the sun")
+        return lambda light: light
     if name == LEARNED_SKY and photo:
-        sky_light = splats.light_of(photo, origin)[1]
-        return lambda shown: Illumination(shown.light, sky_light=sky_light)
-    if choice.sky == LEARNED_SKY:
-        raise InputError("say whose sky: --sky learned:PHOTO, with a training photo's name")
-    raise InputError(f"sky '{choice.sky}' is unknown; use white, map, learned or learned:PHOTO")
+        sky = gaussians.light_of(photo).sky
+        return lambda light: light.with_sky(sky)
+    if options.sky == LEARNED_SKY:
+        raise InputError("say whose sky: learned:PHOTO, with a training photo's name")
+    raise InputError(f"sky '{options.sky}' is unknown; use white, map, learned or learned:PHOTO")
 
 
-def _exposure(splats: Relightable, choice: LightChoice, own: Lighting, origin: Path) -> float:
-    if isinstance(choice.exposure, float):
-        return choice.exposure
-    if choice.exposure is None and (choice.sun is None or not splats.lights):
+def _exposure(gaussians: Relightable, options: LightOptions, own: LightOverTime) -> float:
+    if isinstance(options.exposure, float):
+        return options.exposure
+    is_sun = isinstance(options.source, SunSource)
+    if options.exposure is None and not (is_sun and gaussians.lights):
         return 1.0
-    if not splats.lights:
-        raise InputError(f"{origin}: has no learned lights to set the exposure by; give a factor")
-    learned = torch.stack([light[0].mean() for light, _ in splats.lights.values()])
     # A film keeps the exposure that suits its middle: dusk stays darker than noon.
-    return float(learned.median() / own(0.5).light[0].mean().clamp_min(1e-6))
+    return own(0.5).factor_to(learned_strength(gaussians))
 
 
-def _turned(shown: Illumination, yaw_rad: float, exposure: float) -> Illumination:
-    """Turn light and sky about the vertical and multiply them."""
-    light, sky_light, env_map = shown.light, shown.sky_light, shown.env_map
-    if yaw_rad != 0:
-        rotation = rotation_about_axis(1, yaw_rad)
-        light = rotate(light, rotation)
-        sky_light = None if sky_light is None else rotate(sky_light, rotation)
-    if env_map is not None:
-        env_map = replace(env_map, yaw_rad=yaw_rad, exposure=exposure)
-    return Illumination(exposure * light, sky_light, exposure, env_map)
+def learned_strength(gaussians: Relightable) -> float:
+    """Median of the learned lights' strengths (`Light.strength`).
+
+    Raises:
+        InputError: If the scene has no learned lights.
+    """
+    if not gaussians.lights:
+        raise InputError(
+            f"{gaussians.origin}: has no learned lights to set the exposure by; give a factor"
+        )
+    return median_low([light.strength for light in gaussians.lights.values()])

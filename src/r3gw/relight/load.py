@@ -4,7 +4,7 @@ from pathlib import Path
 
 from r3gw.model.model import load_model
 from r3gw.relight.files.ply import read_ply
-from r3gw.relight.scene import Relightable, relightable_of
+from r3gw.relight.gaussians import Relightable, relightable_of
 
 
 def load_relightable(path: Path) -> Relightable:
@@ -15,4 +15,4 @@ def load_relightable(path: Path) -> Relightable:
     """
     if path.suffix.lower() == ".ply":
         return read_ply(path)
-    return relightable_of(load_model(path))
+    return relightable_of(load_model(path), str(path))

@@ -10,22 +10,19 @@ from torch import Tensor
 
 from r3gw.geometry.similarity import Similarity
 from r3gw.lighting.sh_rotation import rotate
-from r3gw.relight.scene import Relightable
+from r3gw.relight.gaussians import Relightable
 
 
-def moved(splats: Relightable, target_from_source: Similarity) -> Relightable:
+def moved(gaussians: Relightable, target_from_source: Similarity) -> Relightable:
     """The same scene and its lights in the coordinates of a similarity's target."""
     rotation = target_from_source.rotation
-    occlusion = splats.occlusion
+    occlusion = gaussians.occlusion
     return replace(
-        splats,
-        means=target_from_source.points(splats.means),
-        quaternions=_turned(splats.quaternions, rotation),
-        log_scales=splats.log_scales + log(target_from_source.scale),
-        lights={
-            photo: (rotate(light, rotation), rotate(sky, rotation))
-            for photo, (light, sky) in splats.lights.items()
-        },
+        gaussians,
+        means=target_from_source.points(gaussians.means),
+        quaternions=_turned(gaussians.quaternions, rotation),
+        log_scales=gaussians.log_scales + log(target_from_source.scale),
+        lights={photo: light.rotated(rotation) for photo, light in gaussians.lights.items()},
         occlusion=None if occlusion is None else rotate(occlusion.T, rotation).T,
     )
 

@@ -18,7 +18,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.files import InputError, atomic_path
-from r3gw.imaging.files import LDR_SUFFIXES, write_exr, write_image
+from r3gw.imaging.files import WRITTEN_SUFFIXES, write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display
 
 FILM_SUFFIX = ".mp4"
@@ -114,8 +114,8 @@ def output_for(path: Path, frames: int, fps: float) -> Output:
     suffix = path.suffix.lower()
     if suffix == FILM_SUFFIX:
         return Film(path, fps)
-    if suffix not in (*LDR_SUFFIXES, LINEAR_SUFFIX):
-        known = ", ".join((*LDR_SUFFIXES, LINEAR_SUFFIX, FILM_SUFFIX))
+    if suffix not in (*WRITTEN_SUFFIXES, LINEAR_SUFFIX):
+        known = ", ".join((*WRITTEN_SUFFIXES, LINEAR_SUFFIX, FILM_SUFFIX))
         raise InputError(f"{path}: cannot write '{suffix}' files; the name must end in {known}")
     if frames > 1 and not NUMBER.search(path.name):
         raise InputError(

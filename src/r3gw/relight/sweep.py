@@ -33,6 +33,6 @@ class Sweep:
         """Whether the value changes."""
         return len(set(self.values)) > 1
 
-    def at(self, share: float) -> float:
-        """Value after ``share`` (0 to 1) of the film."""
-        return float(np.interp(share, np.linspace(0.0, 1.0, len(self.values)), self.values))
+    def at(self, time: float) -> float:
+        """Value at a time of the film, 0 to 1."""
+        return float(np.interp(time, np.linspace(0.0, 1.0, len(self.values)), self.values))

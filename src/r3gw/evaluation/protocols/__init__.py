@@ -20,6 +20,7 @@ from r3gw.evaluation.protocols.swept import FullYaw, NerfOsr, NerfOsrLinear
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_linear
 from r3gw.lighting.irradiance import irradiance
+from r3gw.lighting.light import Light
 from r3gw.model.lights import photo_light
 from r3gw.scene import GroundTruth, View
 
@@ -41,15 +42,15 @@ class Exact(ViewProtocol):
     def evaluate(self, bench: Bench, view: View) -> Outcome:
         """Render under the true light; ``oracle_psnr`` bounds what to expect."""
         assert view.truth is not None  # covers() holds
-        light = bench.true_light(view.truth)
+        light = Light(bench.true_light(view.truth))
         photo, is_scored = bench.photo(view), bench.is_scored(view)
-        picture = bench.render(view, light, None)
-        oracle = diffuse_oracle(bench, view.truth, light)
+        picture = bench.render(view, light)
+        oracle = diffuse_oracle(bench, view.truth, light.sh)
         figures = {
             **asdict(score(picture, photo, is_scored, view.name)),
             "oracle_psnr": masked_psnr(oracle, photo, is_scored, view.name),
         }
-        return Outcome(picture, light, None, figures)
+        return Outcome(picture, light, figures)
 
 
 class Learned(ViewProtocol):
@@ -64,14 +65,14 @@ class Learned(ViewProtocol):
 
     def evaluate(self, bench: Bench, view: View) -> Outcome:
         """Score all valid pixels, and once more (``psnr_foreground``) those that are not sky."""
-        light, sky_light = photo_light(bench.model, view.name)
+        light = photo_light(bench.model, view.name)
         photo, (is_valid, is_sky) = bench.photo(view), bench.masks(view)
-        picture = bench.render(view, light, sky_light)
+        picture = bench.render(view, light)
         figures: dict[str, Any] = asdict(score(picture, photo, is_valid, view.name))
         is_foreground = is_valid & ~is_sky
         if is_foreground.any():
             figures["psnr_foreground"] = masked_psnr(picture, photo, is_foreground, view.name)
-        return Outcome(picture, light, sky_light, figures)
+        return Outcome(picture, light, figures)
 
 
 PROTOCOLS: tuple[ViewProtocol, ...] = (

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float
-from torch import Tensor
 
 from r3gw.evaluation.bench import Bench
+from r3gw.lighting.light import Light
 from r3gw.scene import View
 
 
@@ -18,14 +18,12 @@ class Outcome:
 
     Attributes:
         picture: ``[H, W, 3]`` display values.
-        light: ``[coeff, 3]`` the SH light of the picture.
-        sky_light: Sky coefficients of the picture; None is a white sky.
+        light: What lit the picture, and the sky that it shows.
         figures: psnr, ssim, mse, mae, and what the protocol adds; JSON values.
     """
 
     picture: Float[np.ndarray, "h w 3"]
-    light: Float[Tensor, "coeff 3"]
-    sky_light: Float[Tensor, "skycoeff 3"] | None
+    light: Light
     figures: dict[str, Any]
 
 

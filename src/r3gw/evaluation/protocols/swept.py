@@ -11,6 +11,7 @@ from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
 from r3gw.evaluation.protocols.published import at_sun_angle, published_light
 from r3gw.imaging.colour import GAMMA
+from r3gw.lighting.light import Light
 from r3gw.model.lights import learned_strength
 from r3gw.scene import EvaluationEntry, View
 
@@ -81,16 +82,16 @@ class NerfOsrLinear(NerfOsr):
         photo, is_scored = bench.photo(view), bench.is_scored(view)
         curve = []
         for light in lights:
-            picture = bench.render(view, light, None)
+            picture = bench.render(view, Light(light))
             fitted = np.clip(_display_factor(picture, photo, is_scored) * picture, 0.0, 1.0)
             curve.append(masked_psnr(fitted, photo, is_scored, view.name))
         best = int(np.argmax(curve))
         gain = 1.0
         for _ in range(NUM_EXPOSURE_STEPS):
-            picture = bench.render(view, gain * lights[best], None)
+            picture = bench.render(view, Light(gain * lights[best]))
             gain *= _display_factor(picture, photo, is_scored) ** GAMMA
-        light = gain * lights[best]
-        picture = bench.render(view, light, None)
+        chosen = Light(gain * lights[best])
+        picture = bench.render(view, chosen)
         figures = {
             **asdict(score(picture, photo, is_scored, view.name)),
             "angle_rad": float(angles_rad[best]),
@@ -98,7 +99,7 @@ class NerfOsrLinear(NerfOsr):
             "sweep_angles_rad": angles_rad.tolist(),
             "sweep_psnr": curve,
         }
-        return Outcome(picture, light, None, figures)
+        return Outcome(picture, chosen, figures)
 
 
 def _swept(
@@ -109,20 +110,20 @@ def _swept(
     photo, is_scored = bench.photo(view), bench.is_scored(view)
     curve = [
         masked_psnr(
-            bench.render(view, at_sun_angle(first, angle), None), photo, is_scored, view.name
+            bench.render(view, Light(at_sun_angle(first, angle))), photo, is_scored, view.name
         )
         for angle in angles_rad
     ]
     best = int(np.argmax(curve))
-    light = at_sun_angle(first, angles_rad[best])
-    picture = bench.render(view, light, None)
+    light = Light(at_sun_angle(first, angles_rad[best]))
+    picture = bench.render(view, light)
     figures = {
         **asdict(score(picture, photo, is_scored, view.name)),
         "angle_rad": float(angles_rad[best]),
         "sweep_angles_rad": angles_rad.tolist(),
         "sweep_psnr": curve,
     }
-    return Outcome(picture, light, None, figures)
+    return Outcome(picture, light, figures)
 
 
 def _display_factor(

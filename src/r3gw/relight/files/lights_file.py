@@ -11,6 +11,8 @@ from torch import Tensor
 
 from r3gw.files import InputError, write_json
 from r3gw.files.strict import Strict, validated
+from r3gw.lighting.light import Light
+from r3gw.lighting.skies import LearnedSky
 
 NAME = "lights.json"
 CONVENTION = {
@@ -26,8 +28,8 @@ CONVENTION = {
 Row = tuple[float, float, float]
 
 
-class PhotoLight(Strict):
-    """Coefficients of one photo, ``[coeff][rgb]``."""
+class Coefficients(Strict):
+    """Light and sky of one photo, ``[coeff][rgb]``."""
 
     light: tuple[Row, ...]
     sky: tuple[Row, ...]
@@ -40,23 +42,34 @@ class LightsFile(Strict):
     version: Literal[1] = 1
     convention: dict[str, str] = CONVENTION
     coordinates: Literal["scene", "source"]
-    photos: dict[str, PhotoLight]
+    photos: dict[str, Coefficients]
 
 
-Lights = Mapping[str, tuple[Float[Tensor, "coeff 3"], Float[Tensor, "skycoeff 3"]]]
+def write_lights(
+    lights: Mapping[str, Light], coordinates: Literal["scene", "source"], folder: Path
+) -> None:
+    """Write ``folder/lights.json``; float32 values survive exactly.
 
-
-def write_lights(lights: Lights, coordinates: Literal["scene", "source"], folder: Path) -> None:
-    """Write ``folder/lights.json``; float32 values survive exactly."""
+    Args:
+        lights: As training learned them: each with a `LearnedSky` of exposure 1.
+        coordinates: Of the directions; see `CONVENTION`.
+        folder: Where the file goes.
+    """
     photos = {
-        photo: {"light": light.tolist(), "sky": sky.tolist()}
-        for photo, (light, sky) in lights.items()
+        photo: {"light": light.sh.tolist(), "sky": _sky(photo, light).tolist()}
+        for photo, light in lights.items()
     }
     content = LightsFile.model_validate({"coordinates": coordinates, "photos": photos})
     write_json(folder / NAME, content.model_dump(mode="json"))
 
 
-def read_lights(folder: Path) -> Lights:
+def _sky(photo: str, light: Light) -> Float[Tensor, "skycoeff 3"]:
+    if light.sky_coefficients is None:
+        raise ValueError(f"the light of photo '{photo}' has no learned sky to write")
+    return light.sky_coefficients
+
+
+def read_lights(folder: Path) -> dict[str, Light]:
     """Read ``folder/lights.json``; no file means no lights.
 
     Raises:
@@ -73,6 +86,6 @@ def read_lights(folder: Path) -> Lights:
         raise InputError(f"{path}: not the lights of an export; export the scene again")
     content = validated(LightsFile, values, str(path))
     return {
-        photo: (torch.tensor(entry.light), torch.tensor(entry.sky))
+        photo: Light(torch.tensor(entry.light), LearnedSky(torch.tensor(entry.sky)))
         for photo, entry in content.photos.items()
     }

@@ -22,8 +22,8 @@ from r3gw.files.strict import validated
 from r3gw.geometry.similarity import Similarity
 from r3gw.relight.files.lights_file import read_lights
 from r3gw.relight.files.ply_rows import read_rows, write_rows
+from r3gw.relight.gaussians import Relightable
 from r3gw.relight.move import moved
-from r3gw.relight.scene import Relightable
 from r3gw.scene.scene import Gauge
 
 Y_00 = 0.28209479
@@ -62,39 +62,39 @@ class Placement:
 
 
 def write_ply(
-    path: Path, splats: Relightable, baked: Baked, placement: Placement, *, relightable: bool
+    path: Path, gaussians: Relightable, baked: Baked, placement: Placement, *, relightable: bool
 ) -> None:
     """Write a scene.
 
     Args:
         path: File to write.
-        splats: The scene, already in the placement's coordinates.
+        gaussians: The scene, already in the placement's coordinates.
         baked: Its colours and normals.
         placement: Recorded in the header's comments.
         relightable: Whether to add albedo, roughness and is_sky.
     """
-    shadows = splats.occlusion if relightable else None
+    shadows = gaussians.occlusion if relightable else None
     transfer = () if shadows is None else _occlusion_names(shadows.shape[1])
     names = STANDARD + (RELIGHTABLE if relightable else ()) + transfer
-    rows = np.empty(len(splats.means), [(n, "u1" if n == "is_sky" else "<f4") for n in names])
-    _fill(rows, POSITION, splats.means)
+    rows = np.empty(len(gaussians.means), [(n, "u1" if n == "is_sky" else "<f4") for n in names])
+    _fill(rows, POSITION, gaussians.means)
     _fill(rows, NORMAL, baked.normals)
     _fill(rows, COLOUR, (baked.colours - 0.5) / Y_00)
-    _fill(rows, ("opacity",), splats.opacity_logits[:, None])
-    _fill(rows, SCALE, splats.log_scales)
-    _fill(rows, ROTATION, splats.quaternions)
+    _fill(rows, ("opacity",), gaussians.opacity_logits[:, None])
+    _fill(rows, SCALE, gaussians.log_scales)
+    _fill(rows, ROTATION, gaussians.quaternions)
     if relightable:
-        padding = (0, 0, 0, splats.num_sky)
-        _fill(rows, ALBEDO, torch.nn.functional.pad(splats.albedo, padding))
-        _fill(rows, ("roughness",), torch.nn.functional.pad(splats.roughness[:, None], padding))
-        rows["is_sky"] = np.arange(len(rows)) >= splats.num_foreground
+        padding = (0, 0, 0, gaussians.num_sky)
+        _fill(rows, ALBEDO, torch.nn.functional.pad(gaussians.albedo, padding))
+        _fill(rows, ("roughness",), torch.nn.functional.pad(gaussians.roughness[:, None], padding))
+        rows["is_sky"] = np.arange(len(rows)) >= gaussians.num_foreground
         if shadows is not None:
             _fill(rows, transfer, torch.nn.functional.pad(shadows, padding))
     facts = {
         "coordinates": placement.coordinates,
         "scene_from_source": Gauge.of(placement.scene_from_source).model_dump(mode="json"),
-        "light_degree": splats.light_degree,
-        "with_specular": splats.with_specular,
+        "light_degree": gaussians.light_degree,
+        "with_specular": gaussians.with_specular,
     }
     comments = [f"{COMMENT}{name} {json.dumps(value)}" for name, value in facts.items()]
     write_rows(path, rows, comments)
@@ -120,7 +120,7 @@ def read_ply(path: Path) -> Relightable:
         raise InputError(f"{path}: the sky's Gaussians must come last; do not reorder the file")
     count = int((~is_sky).sum())
     transfer = _occlusion_names(sum(n.startswith(OCCLUSION) for n in rows.dtype.names or ()))
-    splats = Relightable(
+    gaussians = Relightable(
         _columns(rows, POSITION),
         _columns(rows, ROTATION),
         _columns(rows, SCALE),
@@ -131,11 +131,12 @@ def read_ply(path: Path) -> Relightable:
         int(facts["light_degree"]),
         bool(facts["with_specular"]),
         _columns(rows, transfer)[:count] if transfer else None,
+        str(path),
     )
     if facts["coordinates"] == "scene":
-        return splats
+        return gaussians
     gauge = validated(Gauge, facts["scene_from_source"], f"{path}: scene_from_source")
-    return moved(splats, gauge.similarity)
+    return moved(gaussians, gauge.similarity)
 
 
 def _occlusion_names(count: int) -> tuple[str, ...]:

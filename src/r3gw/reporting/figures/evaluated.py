@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_linear, read_rgb
+from r3gw.lighting.light import Light
+from r3gw.relight.files.lights_file import read_lights
 from r3gw.reporting.tables.table1 import method_name
 from r3gw.scene import Scene, View
 
@@ -64,7 +66,7 @@ class Evaluated:
         parts: Decomposition records by view.
         renders: Folder of the pictures.
         relit: What was rendered under other lights.
-        lights: Per training photo ``light`` and ``sky`` coefficients.
+        lights: What was learned for every training photo.
         history: history.csv of the training.
     """
 
@@ -74,7 +76,7 @@ class Evaluated:
     parts: dict[str, dict[str, Any]]
     renders: Path
     relit: Relit
-    lights: dict[str, dict[str, list[list[float]]]]
+    lights: dict[str, Light]
     history: pd.DataFrame
 
     @property
@@ -131,6 +133,6 @@ def read_run(folder: Path) -> Evaluated:
         parts=parts,
         renders=metrics / "renders",
         relit=Relit(relit.parent, shown["views"], shown["map"], shown["yaws_deg"], shown["photos"]),
-        lights=json.loads((metrics / "lights.json").read_text()),
+        lights=read_lights(metrics),
         history=pd.read_csv(history),
     )

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import torch
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -97,9 +96,9 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figu
 def _light_drawn_under(scene_folder: Path, run: Evaluated, view: View) -> NDArray[np.uint8] | None:
     """The SH light of a view's first picture as a map: learned, or the true map's."""
     if view.name in run.lights:
-        light = torch.tensor(run.lights[view.name]["light"])
+        light = run.lights[view.name].sh
     elif view.truth is not None and run.lights:
-        degree = isqrt(len(next(iter(run.lights.values()))["light"])) - 1
+        degree = isqrt(len(next(iter(run.lights.values())).sh)) - 1
         light = light_of_map(envmap.read_env_map(scene_folder / view.truth.env_map), degree)
     else:
         return None
@@ -113,9 +112,7 @@ def light_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
         raise InputError(f"{run.renders.parent / 'lights.json'}: has no light of a training photo")
     chosen = np.unique(np.linspace(0, len(views) - 1, min(NUM_LIGHTS, len(views))).astype(int))
     maps = {
-        views[i].name: envmap.draw(
-            torch.tensor(run.lights[views[i].name]["light"]), LIGHT_MAP_HEIGHT
-        ).numpy()
+        views[i].name: envmap.draw(run.lights[views[i].name].sh, LIGHT_MAP_HEIGHT).numpy()
         for i in chosen
     }
     brightest = float(np.quantile(np.stack(list(maps.values())), BRIGHTEST_QUANTILE))

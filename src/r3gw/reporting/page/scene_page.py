@@ -7,8 +7,6 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-import torch
-
 from r3gw.evaluation.gallery import THUMBNAIL_PX, light_picture
 from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
@@ -125,7 +123,7 @@ def _lights(run: Evaluated, scene: Scene, folder: Path) -> list[Page]:
     for view in scene.split("train"):
         if view.name not in run.lights:
             continue
-        drawn = envmap.draw(torch.tensor(run.lights[view.name]["light"]), THUMBNAIL_PX)
+        drawn = envmap.draw(run.lights[view.name].sh, THUMBNAIL_PX)
         lights.append(
             {
                 "name": view.name,

@@ -50,7 +50,7 @@ def write_report(tables: Path, scenes: Sequence[SceneFolders], target: Path) -> 
     with look():
         pages = [scene_page(each) for each in tqdm(scenes, desc="report", unit="scene")]
     environment = Environment(
-        loader=PackageLoader("r3gw.reporting"),
+        loader=PackageLoader("r3gw.reporting.page"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -1,4 +1,4 @@
-"""Relighting a trained scene: files in, pictures or a film out."""
+"""Relighting by files: a trained scene in, pictures or a film out."""
 
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ import torch
 from tqdm import tqdm
 
 from r3gw.files import InputError
-from r3gw.relight.cameras import CameraChoice, chosen_cameras
-from r3gw.relight.lights import LightChoice, lighting
+from r3gw.relight.cameras import CameraOptions, cameras_over_time
+from r3gw.relight.lights import LightOptions, light_over_time
 from r3gw.relight.load import load_relightable
 from r3gw.relight.outputs import output_for
 from r3gw.relight.picture import frame
@@ -18,7 +18,7 @@ from r3gw.scene import load_scene
 
 
 @dataclass(frozen=True)
-class FilmChoice:
+class FilmOptions:
     """How many frames, how fast, and their tone curve (`r3gw.relight.tone.CURVES`)."""
 
     frames: int = 1
@@ -30,9 +30,9 @@ def relight(
     model_path: Path,
     scene_folder: Path,
     outputs: tuple[Path, ...],
-    cameras: CameraChoice,
-    light: LightChoice,
-    film: FilmChoice = FilmChoice(),
+    cameras: CameraOptions,
+    light: LightOptions,
+    film: FilmOptions = FilmOptions(),
     *,
     num_threads: int = 1,
 ) -> None:
@@ -52,18 +52,17 @@ def relight(
     """
     if film.frames == 1 and (cameras.moves or light.moves):
         raise InputError(
-            "one frame shows no movement: give --frames, or one view and plain numbers"
+            "one frame shows no movement: ask for more frames, or for one view and plain numbers"
         )
     torch.set_num_threads(num_threads)
-    splats = load_relightable(model_path)
-    shares = [i / max(film.frames - 1, 1) for i in range(film.frames)]
-    middle = splats.means[: splats.num_foreground].median(dim=0).values
-    placed = chosen_cameras(load_scene(scene_folder), cameras, middle, shares)
-    light_at = lighting(splats, light, model_path)
+    gaussians, scene = load_relightable(model_path), load_scene(scene_folder)
+    times = [i / max(film.frames - 1, 1) for i in range(film.frames)]
+    placed = cameras_over_time(scene, cameras, gaussians.middle, times)
+    light_at = light_over_time(gaussians, light)
     sinks = [output_for(path, film.frames, film.fps) for path in outputs]
     curve = CURVES[film.tone]
     steps = tqdm(
-        zip(placed, shares, strict=True),
+        zip(placed, times, strict=True),
         total=film.frames,
         desc="relighting",
         unit="frame",
@@ -72,11 +71,10 @@ def relight(
     with ExitStack() as stack:
         for sink in sinks:
             stack.enter_context(sink)
-        for camera, share in steps:
-            shown = light_at(share)
-            pictures = {}
+        for camera, time in steps:
+            shown, pictures = light_at(time), {}
             for is_linear in {sink.is_linear for sink in sinks}:
-                picture = frame(splats, camera, shown, scene_linear if is_linear else curve)
+                picture = frame(gaussians, camera, shown, scene_linear if is_linear else curve)
                 pictures[is_linear] = linear_from_scene(picture) if is_linear else picture
             for sink in sinks:
                 sink.write(pictures[sink.is_linear])

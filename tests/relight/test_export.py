@@ -12,18 +12,18 @@ from r3gw.files import InputError, write_json
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import read_rgb
 from r3gw.raster import rasterize
-from r3gw.relight.cameras import CameraChoice
-from r3gw.relight.export.stage import export
-from r3gw.relight.lights import LightChoice
-from r3gw.relight.picture import Illumination, frame
-from r3gw.relight.scene import relightable_of
-from r3gw.relight.stage import relight
+from r3gw.relight.cameras import CameraOptions
+from r3gw.relight.export import export
+from r3gw.relight.film import relight
+from r3gw.relight.gaussians import relightable_of
+from r3gw.relight.lights import LightOptions, PhotoSource
+from r3gw.relight.picture import frame
 from r3gw.relight.sweep import Sweep
 from r3gw.relight.tone import standard
 from r3gw.scene import load_scene, save_scene
 from r3gw.scene.scene import Gauge
 
-A_0 = LightChoice(photos=("a_0",))
+A_0 = LightOptions(PhotoSource(("a_0",)))
 NAMES = ["baked.glb", "baked.ply", "lights.json", "relightable.ply"]
 
 
@@ -65,10 +65,9 @@ def test_files(exported):
 
 
 def test_the_baked_file_looks_like_the_relit_picture(tiny, exported):
-    camera, splats = tiny.view("b_exact").camera, relightable_of(tiny.model)
-    light, sky_light = splats.lights["a_0"]
+    camera, gaussians = tiny.view("b_exact").camera, relightable_of(tiny.model)
     picture = seen(opened(exported / "baked.ply"), camera)
-    expected = frame(splats, camera, Illumination(light, sky_light), standard)
+    expected = frame(gaussians, camera, gaussians.lights["a_0"], standard)
     is_covered = picture[..., 3] > 0.9999
     assert is_covered.float().mean() > 0.3
     torch.testing.assert_close(
@@ -86,7 +85,7 @@ def test_without_a_view_colours_are_the_training_views_mean(tiny, tmp_path):
 
 
 def test_a_white_sky_is_white(tiny, tmp_path):
-    light = LightChoice(photos=("a_0",), sky="white")
+    light = LightOptions(PhotoSource(("a_0",)), sky="white")
     export(tiny.model_path, tiny.folder, tmp_path, light)
     rows = plyfile.PlyData.read(str(tmp_path / "relightable.ply"))["vertex"].data
     is_sky = rows["is_sky"] > 0
@@ -97,10 +96,10 @@ def test_a_white_sky_is_white(tiny, tmp_path):
 
 
 def test_the_relightable_file_relights_like_the_model(tiny, exported, tmp_path):
-    light = LightChoice(photos=("a_0", "a_1"), blend=Sweep((0.3,)), yaw_deg=Sweep((40.0,)))
+    light = LightOptions(PhotoSource(("a_0", "a_1"), Sweep((0.3,))), yaw_deg=Sweep((40.0,)))
     pictures = []
     for model in (tiny.model_path, exported / "relightable.ply"):
-        relight(model, tiny.folder, (tmp_path / "p.png",), CameraChoice(("a_1",)), light)
+        relight(model, tiny.folder, (tmp_path / "p.png",), CameraOptions(("a_1",)), light)
         pictures.append(read_rgb(tmp_path / "p.png"))
     assert (pictures[0] == pictures[1]).all()
 
@@ -132,7 +131,7 @@ def test_source_coordinates_undo_the_imports_similarity(tiny, tmp_path):
     out = tmp_path / "p.png"
     pictures = []
     for model in (tiny.model_path, tmp_path / "source" / "relightable.ply"):
-        relight(model, tiny.folder, (out,), CameraChoice(("a_1",)), A_0)
+        relight(model, tiny.folder, (out,), CameraOptions(("a_1",)), A_0)
         pictures.append(read_rgb(out).astype(int))
     assert np.abs(pictures[0] - pictures[1]).max() <= 1
 
@@ -177,7 +176,7 @@ def test_glb_by_hand(exported):
 
 
 def test_what_an_export_refuses(tiny, tmp_path):
-    moving = LightChoice(photos=("a_0",), yaw_deg=Sweep((0.0, 90.0)))
+    moving = LightOptions(PhotoSource(("a_0",)), yaw_deg=Sweep((0.0, 90.0)))
     with pytest.raises(InputError, match="one light"):
         export(tiny.model_path, tiny.folder, tmp_path, moving)
     with pytest.raises(InputError, match="no view 'a_9'"):

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import torch
 from jaxtyping import Float
@@ -11,12 +10,10 @@ from torch import Tensor
 
 from r3gw.files import InputError
 from r3gw.geometry.rotations import shortest_axes
-from r3gw.model.lights import photo_light
+from r3gw.lighting.light import Light
+from r3gw.model.lights import learned_lights
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION
-
-Light = Float[Tensor, "coeff 3"]
-SkyLight = Float[Tensor, "skycoeff 3"]
 
 
 @dataclass(frozen=True)
@@ -30,11 +27,12 @@ class Relightable:
         opacity_logits: ``[N]``.
         albedo: ``[F, 3]`` linear, in [0, 1].
         roughness: ``[F]`` in [0, 1].
-        lights: Per training photo its SH light and its sky coefficients.
+        lights: What was learned for every training photo: its light, with a `LearnedSky`.
         light_degree: SH degree of lights.
         with_specular: Whether the scene reflects.
         occlusion: What shadows take from the irradiance of each foreground Gaussian, as SH
             transfer; None where the scene models none (r3gw.model.occlusion).
+        origin: Where the scene came from, for messages: a file's path.
     """
 
     means: Float[Tensor, "n 3"]
@@ -43,29 +41,30 @@ class Relightable:
     opacity_logits: Float[Tensor, "n"]
     albedo: Float[Tensor, "f 3"]
     roughness: Float[Tensor, "f"]
-    lights: Mapping[str, tuple[Light, SkyLight]]
+    lights: Mapping[str, Light]
     light_degree: int
     with_specular: bool
     occlusion: Float[Tensor, "f transfer"] | None = None
+    origin: str = "the scene"
 
     @property
     def num_foreground(self) -> int:
-        """F."""
+        """Number of foreground Gaussians, F."""
         return len(self.albedo)
 
     @property
     def num_sky(self) -> int:
-        """N - F."""
+        """Number of sky Gaussians, N - F."""
         return len(self.means) - len(self.albedo)
 
     @cached_property
     def scales(self) -> Float[Tensor, "n 3"]:
-        """Standard deviations, world units."""
+        """Standard deviations of all Gaussians, in world units."""
         return self.log_scales.exp()
 
     @cached_property
     def opacities(self) -> Float[Tensor, "n"]:
-        """In [0, 1]."""
+        """Opacities of all Gaussians, in [0, 1]."""
         return self.opacity_logits.sigmoid()
 
     @cached_property
@@ -74,25 +73,30 @@ class Relightable:
         count = self.num_foreground
         return shortest_axes(self.quaternions[:count], self.log_scales[:count])
 
-    def light_of(self, photo: str, origin: Path) -> tuple[Light, SkyLight]:
-        """Light and sky coefficients learned for a photo.
+    @cached_property
+    def middle(self) -> Float[Tensor, "3"]:
+        """Median of the foreground's positions: where its surfaces are."""
+        return self.means[: self.num_foreground].median(dim=0).values
+
+    def light_of(self, photo: str) -> Light:
+        """The light that was learned for a photo, with its sky.
 
         Raises:
-            InputError: If there are none; the message names ``origin``, the scene's file.
+            InputError: If there is none.
         """
         if not self.lights:
             raise InputError(
-                f"{origin}: no learned lights; put the export's lights.json beside the file"
+                f"{self.origin}: no learned lights; put the export's lights.json beside the file"
             )
         if photo not in self.lights:
             known = ", ".join(self.lights)
-            raise InputError(f"{origin}: has no light of a photo '{photo}'; it has: {known}")
+            raise InputError(f"{self.origin}: has no light of a photo '{photo}'; it has: {known}")
         return self.lights[photo]
 
 
 @torch.no_grad()
-def relightable_of(model: SceneModel) -> Relightable:
-    """Take a trained model apart into what pictures need."""
+def relightable_of(model: SceneModel, origin: str = "the model") -> Relightable:
+    """Take a trained model apart into what pictures need; ``origin`` is for messages."""
     foreground, sky = model.foreground, model.sky
     return Relightable(
         torch.cat([foreground["means"], sky.means()]),
@@ -101,8 +105,9 @@ def relightable_of(model: SceneModel) -> Relightable:
         torch.cat([foreground["opacity_logits"], sky.rows["opacity_logits"]]),
         foreground["albedo_logits"].sigmoid(),
         foreground["roughness_logits"].sigmoid(),
-        {photo: photo_light(model, photo) for photo in model.photos},
+        learned_lights(model),
         model.settings.model.light_degree,
         model.settings.model.specular,
         foreground.values.get(OCCLUSION),
+        origin,
     )

@@ -18,17 +18,17 @@ from numpy.typing import NDArray
 from r3gw.files import atomic_path
 from r3gw.geometry.similarity import Similarity
 from r3gw.relight.files.ply import Y_00, Baked
+from r3gw.relight.gaussians import Relightable
 from r3gw.relight.move import moved
-from r3gw.relight.scene import Relightable
 
 EXTENSION = "KHR_gaussian_splatting"
 FLOAT, POINTS, ARRAY_BUFFER = 5126, 0, 34962  # constants of glTF 2.0
 KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 
 
-def write_glb(path: Path, splats: Relightable, baked: Baked) -> None:
+def write_glb(path: Path, gaussians: Relightable, baked: Baked) -> None:
     """Write a scene with baked colours as one .glb file."""
-    attributes = _attributes(splats, baked)
+    attributes = _attributes(gaussians, baked)
     views, accessors, offset = [], [], 0
     for index, values in enumerate(attributes.values()):
         views.append(
@@ -66,10 +66,10 @@ def write_glb(path: Path, splats: Relightable, baked: Baked) -> None:
         temporary.write_bytes(_container(document, binary))
 
 
-def _attributes(splats: Relightable, baked: Baked) -> dict[str, NDArray[np.float32]]:
+def _attributes(gaussians: Relightable, baked: Baked) -> dict[str, NDArray[np.float32]]:
     """Vertex attributes, float32 ``[N, c]``, POSITION first."""
     half_turn = torch.diag(torch.tensor([1.0, -1.0, -1.0], dtype=torch.float64))
-    upright = moved(splats, Similarity(1.0, half_turn, torch.zeros(3, dtype=torch.float64)))
+    upright = moved(gaussians, Similarity(1.0, half_turn, torch.zeros(3, dtype=torch.float64)))
     opacity = upright.opacities[:, None]
     values = {
         "POSITION": upright.means,

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from r3gw.files import InputError
 from r3gw.geometry.similarity import Similarity
+from r3gw.relight.bake import bake
 from r3gw.relight.cameras import view_named
-from r3gw.relight.export.bake import bake
-from r3gw.relight.export.gltf import write_glb
+from r3gw.relight.files.gltf import write_glb
 from r3gw.relight.files.lights_file import write_lights
 from r3gw.relight.files.ply import Baked, Coordinates, Placement, write_ply
-from r3gw.relight.lights import LightChoice, lighting
+from r3gw.relight.lights import LightOptions, light_over_time
 from r3gw.relight.load import load_relightable
 from r3gw.relight.move import moved
 from r3gw.relight.tone import CURVES
@@ -21,7 +21,7 @@ def export(
     model_path: Path,
     scene_folder: Path,
     target: Path,
-    light: LightChoice,
+    light: LightOptions,
     *,
     view: str | None = None,
     tone: str = "standard",
@@ -45,19 +45,19 @@ def export(
     """
     if light.moves:
         raise InputError("an export has one light: give plain numbers, not FROM:TO")
-    splats, scene = load_relightable(model_path), load_scene(scene_folder)
+    gaussians, scene = load_relightable(model_path), load_scene(scene_folder)
     views = scene.split("train") if view is None else (view_named(scene, view),)
-    shown = lighting(splats, light, model_path)(0.0)
-    baked = bake(splats, [each.camera for each in views], shown, CURVES[tone])
+    shown = light_over_time(gaussians, light)(0.0)
+    baked = bake(gaussians, [each.camera for each in views], shown, CURVES[tone])
     placement = Placement(coordinates, scene.scene_from_source.similarity)
     if coordinates == "source":
         source_from_scene = placement.scene_from_source.inverse()
-        splats = moved(splats, source_from_scene)
+        gaussians = moved(gaussians, source_from_scene)
         baked = _turned(baked, source_from_scene)
-    write_ply(target / "baked.ply", splats, baked, placement, relightable=False)
-    write_ply(target / "relightable.ply", splats, baked, placement, relightable=True)
-    write_lights(splats.lights, coordinates, target)
-    write_glb(target / "baked.glb", splats, baked)
+    write_ply(target / "baked.ply", gaussians, baked, placement, relightable=False)
+    write_ply(target / "relightable.ply", gaussians, baked, placement, relightable=True)
+    write_lights(gaussians.lights, coordinates, target)
+    write_glb(target / "baked.glb", gaussians, baked)
 
 
 def _turned(baked: Baked, target_from_source: Similarity) -> Baked:

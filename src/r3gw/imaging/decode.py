@@ -1,0 +1,215 @@
+"""Decodes pictures of every format that cameras, phones and editors write, by their contents.
+
+OpenCV decodes JPEG and colours of 16 bits, pi-heif HEIC, Pillow all else. Sizes are checked
+before anything is decoded, and whatever a decoder says of a broken file becomes one sentence.
+"""
+
+import io
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pi_heif
+from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
+
+from r3gw.files import InputError
+from r3gw.imaging.formats import DEVELOP, MOST_BYTES, MOST_PIXELS
+from r3gw.imaging.orientation import STORED_UPRIGHT, stored_from_upright, upright_from_stored
+
+pi_heif.register_heif_opener()
+
+_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "HEIF", "BMP", "GIF")
+_ANIMATED = ("WEBP", "AVIF", "PNG", "GIF")
+_ORIENTATION_TAG, _NEW_SUBFILE_TAG, _DNG_VERSION_TAG = 0x0112, 0x00FE, 0xC612
+_BROKEN = "not a readable picture (truncated or of another format?)"
+
+Pixels = NDArray[Any]  # uint8, uint16 or float32
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A decoded picture, its pixels in the order in which they are stored.
+
+    Attributes:
+        pixels: RGB ``[H, W, 3]`` or grey ``[H, W]``, in the depth of the file.
+        alpha: Opacity ``[H, W]`` in the same depth, or None if the file has none.
+        orientation: EXIF's number of the turn that makes the picture upright, 1 to 8.
+        exif: The EXIF block as bytes, empty if there is none.
+    """
+
+    pixels: Pixels
+    alpha: Pixels | None
+    orientation: int
+    exif: bytes = b""
+
+    @property
+    def is_opaque(self) -> NDArray[np.bool_] | None:
+        """Where it is more than half opaque, ``[H, W]``; None if it is everywhere."""
+        if self.alpha is None:
+            return None
+        is_opaque: NDArray[np.bool_] = eight_bits(self.alpha) >= 128
+        return None if is_opaque.all() else is_opaque
+
+    def upright(self) -> "Picture":
+        """The same picture as people see it."""
+        alpha = None if self.alpha is None else upright_from_stored(self.alpha, self.orientation)
+        pixels = upright_from_stored(self.pixels, self.orientation)
+        return Picture(pixels, alpha, STORED_UPRIGHT, self.exif)
+
+
+def read_picture(path: Path) -> Picture:
+    """Decode the first or only picture of a file.
+
+    Raises:
+        InputError: If the file is missing, truncated, too large, undeveloped sensor data, an
+            animation or no picture.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such picture")
+    if path.stat().st_size > MOST_BYTES:
+        raise InputError(f"{path}: is larger than {MOST_BYTES >> 20} MiB, which no photo is")
+    data = path.read_bytes()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of odd metadata, which does not matter here
+            with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
+                _refuse_unfit(image, path)
+                return _decoded(image, data, path)
+    except InputError:
+        raise
+    except UnidentifiedImageError:
+        raise InputError(f"{path}: {_BROKEN}") from None
+    except Image.DecompressionBombError:
+        raise InputError(
+            f"{path}: claims more than {MOST_PIXELS // 10**6} million pixels; scale it down"
+        ) from None
+    except Exception as error:  # decoders raise a dozen unrelated types on broken files
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: {_BROKEN}: {reason[:120]}") from error
+
+
+def eight_bits(values: Pixels) -> NDArray[np.uint8]:
+    """Values in 8 bits; 65535 becomes 255, and floats must lie in 0 to 1."""
+    if values.dtype == np.uint8:
+        return np.asarray(values, np.uint8)
+    largest = 65535.0 if values.dtype == np.uint16 else 1.0
+    scaled = np.clip(values.astype(np.float32) * np.float32(255.0 / largest), 0.0, 255.0)
+    rounded: NDArray[np.uint8] = np.rint(scaled).astype(np.uint8)
+    return rounded
+
+
+def _refuse_unfit(image: Any, path: Path) -> None:
+    """Refuse by what the header says, before pixels are decoded."""
+    width, height = image.size
+    if width * height > MOST_PIXELS:
+        raise Image.DecompressionBombError
+    if image.format == "TIFF":
+        tags = image.tag_v2
+        if _DNG_VERSION_TAG in tags or tags.get(_NEW_SUBFILE_TAG) == 1:
+            raise InputError(f"{path}: is undeveloped (RAW); {DEVELOP}")
+    frames = getattr(image, "n_frames", 1)
+    if frames > 1 and (image.format in _ANIMATED or _has_equal_pages(image)):
+        raise InputError(
+            f"{path}: holds {frames} pictures (an animation or pages); save the one that is meant "
+            "as PNG, or give a film as MP4"
+        )
+
+
+def _has_equal_pages(image: Any) -> bool:
+    """Whether a TIFF's second page is a picture of its own, no thumbnail."""
+    if image.format != "TIFF":
+        return False
+    size = image.size
+    image.seek(1)
+    is_equal = bool(image.size == size)
+    image.seek(0)
+    return is_equal
+
+
+def _decoded(image: Any, data: bytes, path: Path) -> Picture:
+    # Asked first: reading EXIF may decode a PNG, which leaves no tiles.
+    has_16_bits = any(";16" in str(tile[3]) for tile in getattr(image, "tile", ()))
+    orientation, exif = _orientation(image)
+    if image.format in ("JPEG", "MPO") and image.mode in ("RGB", "L"):
+        if not _jpeg_is_whole(data):
+            raise InputError(f"{path}: {_BROKEN}")
+        return Picture(_by_opencv(data, path, image.mode), None, orientation, exif)
+    image.load()
+    pixels, alpha = _channels(image)
+    if has_16_bits and image.mode in ("RGB", "RGBA", "LA"):
+        pixels, alpha = _deep_colours(data, (pixels, alpha))
+    picture = Picture(pixels, alpha, orientation, exif)
+    if image.format != "TIFF":
+        return picture
+    # Pillow and OpenCV hand over TIFF upright, unasked.
+    alpha = None if alpha is None else stored_from_upright(alpha, orientation)
+    return Picture(stored_from_upright(pixels, orientation), alpha, orientation, exif)
+
+
+def _orientation(image: Any) -> tuple[int, bytes]:
+    try:
+        exif = image.getexif()
+        number = exif.get(_ORIENTATION_TAG, STORED_UPRIGHT)
+        block = exif.tobytes() if len(exif) else b""
+    except Exception:  # broken EXIF does not make a photo unreadable, and raises anything
+        return STORED_UPRIGHT, b""
+    return (number if number in range(1, 9) else STORED_UPRIGHT), block
+
+
+def _by_opencv(data: bytes, path: Path, mode: str) -> NDArray[np.uint8]:
+    flag = cv2.IMREAD_GRAYSCALE if mode == "L" else cv2.IMREAD_COLOR
+    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), flag | cv2.IMREAD_IGNORE_ORIENTATION)
+    if pixels is None:
+        raise InputError(f"{path}: {_BROKEN}")
+    return np.asarray(pixels if mode == "L" else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8)
+
+
+def _channels(image: Any) -> tuple[Pixels, Pixels | None]:
+    """Colour or grey, and alpha, of a picture that Pillow has decoded."""
+    if image.mode.startswith("I") or image.mode == "F":
+        values = np.asarray(image)
+        if image.mode == "F":
+            return values.astype(np.float32), None
+        if values.min() < 0 or values.max() > 65535:
+            raise ValueError("whole numbers that 16 bits cannot hold")
+        return values.astype(np.uint16), None
+    if image.mode in ("1", "L"):
+        return np.asarray(image.convert("L"), np.uint8), None
+    if image.mode in ("LA", "La"):
+        both = np.asarray(image.convert("LA"), np.uint8)
+        return both[..., 0], both[..., 1]
+    if image.has_transparency_data:
+        four = np.asarray(image.convert("RGBA"), np.uint8)
+        return four[..., :3], four[..., 3]
+    return np.asarray(image.convert("RGB"), np.uint8), None
+
+
+def _deep_colours(
+    data: bytes, shallow: tuple[Pixels, Pixels | None]
+) -> tuple[Pixels, Pixels | None]:
+    """All 16 bits of colours, of which Pillow keeps 8; ``shallow`` where OpenCV cannot."""
+    values = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    if values is None or values.dtype != np.uint16 or values.shape[:2] != shallow[0].shape[:2]:
+        return shallow
+    if values.ndim == 2:
+        return values.astype(np.uint16), None
+    rgb = values[..., 2::-1].astype(np.uint16)
+    return rgb, values[..., 3].astype(np.uint16) if values.shape[2] == 4 else None
+
+
+def _jpeg_is_whole(data: bytes) -> bool:
+    """Whether a JPEG reaches its end marker; OpenCV fills a cut-off one with grey, without a word.
+
+    Walks the segments to the start of the scan (ITU T.81, Annex B), so that neither a thumbnail
+    before it nor data appended behind the picture counts.
+    """
+    position = 2
+    while data[position : position + 2] not in (b"\xff\xda", b""):
+        filler = data[position : position + 2] == b"\xff\xff"
+        length = int.from_bytes(data[position + 2 : position + 4], "big")
+        position += 1 if filler else 2 + length
+    return data.find(b"\xff\xd9", position) >= 0

@@ -1,1 +1,0 @@
-"""Trained scenes for other programs: PLY, glTF and lights."""
