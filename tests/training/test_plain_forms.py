@@ -1,8 +1,8 @@
 """Training without a single kernel ends where training with all of them does.
 
 Every fused operator is replaced by its plain form in torch: splats, appearance, losses, density
-statistics, Adam and the rasterizer. The two runs differ by the rounding of float32, which Adam
-carries on: its first steps have the size of the learning rate whatever the gradient's.
+statistics, Adam and the rasterizer. The two runs differ by the rounding of float32 alone. Adam would
+make whole steps of it where a gradient is zero but for rounding, so its epsilon is raised above that.
 """
 
 import pandas as pd
@@ -14,6 +14,7 @@ from support.settings import train_settings
 from r3gw.model.model import initial_model
 from r3gw.native import kernels, ops
 from r3gw.rendering.compose import render
+from r3gw.training import optimizer
 from r3gw.training.loop import train
 
 ITERATIONS = 40
@@ -31,11 +32,16 @@ def trained(losses="fused", **changes):
         geometry_losses_from=1000,
         seed=5,
         losses=losses,
-        rates={"short_run_boost": 5.0},
         density={"first": 1500, "last": 3500, "interval": 1500, "reset_interval": None},
         **changes,
     )
-    model, history = train(initial_model(flat_points(), NAMES, settings), flat_photos())
+    start = initial_model(flat_points(), NAMES, settings)
+    # Balls would turn by the rounding of a gradient that is zero.
+    generator = torch.Generator().manual_seed(1)
+    light = start.appearance.light_head[-1].bias  # negative in places
+    for learned in (start.foreground["log_scales"], start.sky.rows["log_scales"], light):
+        learned.data += 0.4 * torch.randn(learned.shape, generator=generator)
+    model, history = train(start, flat_photos())
     return model, pd.DataFrame(history.rows).fillna(0.0)
 
 
@@ -49,22 +55,26 @@ def pictures(model):
     return torch.stack(drawn)
 
 
+@pytest.fixture(autouse=True)
+def gentle_adam(monkeypatch):
+    """See the module's docstring; gradients that mean something are above 1e-5 here."""
+    monkeypatch.setattr(optimizer, "EPSILON", 1e-7)
+
+
 def assert_agree(found, expected):
-    """Losses within 1 %, pictures within half a grey level on average, as many Gaussians."""
+    """Losses within 0.1 %, pictures within a quarter of a grey level, as many Gaussians."""
     ours, theirs = found[1], expected[1]
     assert len(ours) == ITERATIONS
     losses = [name for name in ours if name.startswith("loss_")]
-    assert len(losses) == 6 if "loss_silhouette" not in losses else 5
+    assert len(losses) == 6
     for name in losses:
-        assert float(theirs[name].iloc[-1]) != 0.0, f"{name} never acts"
-        pd.testing.assert_series_equal(ours[name], theirs[name], rtol=0.01, atol=1e-5)
-    pd.testing.assert_series_equal(ours.psnr, theirs.psnr, rtol=0, atol=0.05)
+        assert float(theirs[name].iloc[-1]) > 1e-6, f"{name} never acts"
+        pd.testing.assert_series_equal(ours[name], theirs[name], rtol=1e-3, atol=1e-6)
+    pd.testing.assert_series_equal(ours.psnr, theirs.psnr, rtol=0, atol=0.005)
     assert theirs.num_foreground.iloc[-1] > 160  # both sets were densified
     for name in ("num_foreground", "num_sky"):
-        assert ours[name].iloc[-1] == pytest.approx(theirs[name].iloc[-1], abs=2)
-    difference = (pictures(found[0]) - pictures(expected[0])).abs()
-    assert float(difference.mean()) < 0.5 / 255
-    assert float(difference.max()) < 0.05
+        assert ours[name].iloc[-1] == theirs[name].iloc[-1]
+    torch.testing.assert_close(pictures(found[0]), pictures(expected[0]), rtol=0, atol=1e-3)
 
 
 @pytest.mark.parametrize("silhouette", [False, True])

@@ -5,7 +5,7 @@ every device and floating dtype, on small scenes. `register_backend` adds anothe
 """
 
 from collections.abc import Iterable, Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import torch
 from jaxtyping import Float
@@ -16,6 +16,7 @@ from r3gw.raster import cpp, plain
 from r3gw.raster.result import RasterResult
 
 
+@runtime_checkable
 class Backend(Protocol):
     """An implementation of `r3gw.raster.rasterize`, whose arguments these are.
 

@@ -29,7 +29,7 @@ struct KnownGradient : torch::autograd::Function<KnownGradient> {
     const auto factor = gradients[0].item<float>();
     // A loss that is not multiplied any more has gradient 1: nothing to multiply.
     if (factor != 1.0f) {
-      for (Tensor& gradient : result) gradient = factor * gradient;
+      for (Tensor& gradient : result) gradient = gradient.mul(factor);
     }
     result.insert(result.begin(), Tensor());
     return result;
