@@ -12,7 +12,6 @@ truth itself would reach; writes results/benchmarks/recovery.csv and a picture p
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 import click
 import cv2
@@ -21,40 +20,29 @@ import pandas as pd
 import torch
 from jaxtyping import Float
 
-from r3gw.evaluation.bench import Bench
 from r3gw.evaluation.decomposition import scale_per_channel, surface_records
 from r3gw.evaluation.metrics import masked_psnr
+from r3gw.evaluation.trained_scene import TrainedScene, true_light
 from r3gw.files import atomic_path
 from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import pixel_rays
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_linear, write_image
 from r3gw.imaging.pictures import bytes_from_display, normal_picture
-from r3gw.model.appearance import Appearance, PhotoLight
 from r3gw.model.initial import InitialPoints, load_initial
-from r3gw.model.model import initial_model, light_rows
-from r3gw.model.settings import TrainSettings
+from r3gw.model.light_models.fixed import FixedLight
 from r3gw.pipeline.config import load_config, run_settings
 from r3gw.rendering.surfaces import surfaces_of
 from r3gw.scene import Scene, load_scene
 from r3gw.training.loop import train
 from r3gw.training.photos import load_photos
-from r3gw.training.run import first_skies
+from r3gw.training.settings import TrainSettings
+from r3gw.training.start import initial_model
 
 ROOT = Path(__file__).parents[1]
 TARGET = Path("results/benchmarks")
 POINTS_PER_PHOTO = 600
 BLUR_PX = 2.0  # Standard deviation: what is finer counts as detail.
-
-
-class TrueLights(Appearance):
-    """Sky colours are learned as ever; environment lights are given."""
-
-    lights: list[torch.Tensor]
-
-    def forward(self, photo: int) -> PhotoLight:
-        """The true light; nothing about an open sky, which would be pulled at."""
-        return super().forward(photo)._replace(light=self.lights[photo], open_sky=None)
 
 
 def true_points(scene: Scene, folder: Path) -> Float[torch.Tensor, "n 3"]:
@@ -72,24 +60,29 @@ def true_points(scene: Scene, folder: Path) -> Float[torch.Tensor, "n 3"]:
     return torch.cat(found)
 
 
-def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> Bench:
+def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> TrainedScene:
     """A model of one scene, started from its true points."""
-    scene = load_scene(folder / "scene")
-    photos = load_photos(scene, folder / "scene", folder / "masks")
-    sessions = tuple(view.session or view.name for view in scene.split("train"))
+    scene_folder, masks_folder = folder / "scene", folder / "masks"
+    scene = load_scene(scene_folder)
+    views = scene.split("train")
+    photos = load_photos(scene, scene_folder, masks_folder)
     given = load_initial(folder / "initial.npz")
-    points = InitialPoints(true_points(scene, folder / "scene"), given.dome, given.sky_angles)
-    skies = first_skies(photos, light_rows(sessions, settings), settings)
-    names = tuple(photo.name for photo in photos)
-    model = initial_model(points, names, settings, sessions, skies)
-    bench = Bench(model, scene, folder / "scene", folder / "masks")
+    points = InitialPoints(true_points(scene, scene_folder), given.dome, given.sky_angles)
+    light_model = None
     if lights_known:
-        model.appearance.__class__ = TrueLights
-        appearance = cast(TrueLights, model.appearance)
-        truths = [view.truth for view in scene.split("train")]
-        appearance.lights = [bench.true_light(truth) for truth in truths if truth]
-    model, _ = train(model, photos)
-    return Bench(model, scene, folder / "scene", folder / "masks")
+        degree, truths = settings.model.light_degree, [view.truth for view in views]
+        lights = [true_light(scene_folder, truth, degree) for truth in truths if truth]
+        light_model = FixedLight(torch.stack(lights))
+    model = initial_model(
+        points,
+        tuple(photo.name for photo in photos),
+        settings,
+        tuple(view.session or view.name for view in views),
+        [photo.seen_sky for photo in photos],
+        light_model,
+    )
+    model, _ = train(model, photos, settings)
+    return TrainedScene(model, scene, scene_folder, masks_folder)
 
 
 @dataclass(frozen=True)
@@ -107,27 +100,27 @@ class Shown:
         return np.asarray(inside / np.maximum(weight, 1e-6)[..., None])
 
 
-def shown(bench: Bench) -> Iterator[tuple[Shown, Shown]]:
+def shown(case: TrainedScene) -> Iterator[tuple[Shown, Shown]]:
     """Every test view as the model has it, and as it is."""
-    for view in bench.scene.split("test"):
+    for view in case.scene.split("test"):
         assert view.truth is not None  # embedded scenes have it
         truth = {
-            kind: read_linear(bench.scene_folder / getattr(view.truth, kind)).astype(np.float64)
+            kind: read_linear(case.scene_folder / getattr(view.truth, kind)).astype(np.float64)
             for kind in ("albedo", "normal", "depth")
         }
-        mask = bench.is_scored(view) & (truth["depth"][..., 0] > 0)
-        ours = surfaces_of(bench.model, view.camera)
+        mask = case.is_scored(view) & (truth["depth"][..., 0] > 0)
+        ours = surfaces_of(case.model, view.camera)
         yield Shown(ours.albedo, ours.normal, mask), Shown(truth["albedo"], truth["normal"], mask)
 
 
-def compared(bench: Bench) -> tuple[dict[str, float], np.ndarray]:
+def compared(case: TrainedScene) -> tuple[dict[str, float], np.ndarray]:
     """Figures over the test views, and a picture of the first: truth above, ours below."""
-    records = surface_records(bench)
+    records = surface_records(case)
     figures = {
         kind: float(np.mean([record[kind] for record in records]))
         for kind in ("albedo_psnr", "normal_median_deg")
     }
-    views = list(shown(bench))
+    views = list(shown(case))
     soft = [(ours.blurred(), truth.blurred(), truth.mask) for ours, truth in views]
     figures["albedo_psnr_blurred"] = _psnr(soft)
     detail = [(truth.blurred(), truth.albedo, truth.mask) for _, truth in views]
@@ -168,8 +161,8 @@ def main(variants: tuple[str, ...], iterations: int | None, scenes: tuple[str, .
             if iterations:
                 settings = settings.model_copy(update={"iterations": iterations})
             for lights_known in (False, True):
-                bench = trained(Path("results") / scene, settings, lights_known=lights_known)
-                figures, picture = compared(bench)
+                case = trained(Path("results") / scene, settings, lights_known=lights_known)
+                figures, picture = compared(case)
                 lights = "true" if lights_known else "learned"
                 rows.append({"scene": scene, "variant": variant, "lights": lights, **figures})
                 write_image(TARGET / f"recovery_{scene}_{variant}_{lights}.png", picture)

@@ -38,7 +38,8 @@ def measure(job: tuple[str, int, int, int, int]) -> dict[str, str | int | float]
     torch.set_num_threads(threads)
     ops.keep_freed_memory()  # as a training does
     workload = slab(count, width, height)
-    state, schedule = first_state(workload.model), Schedule.of(workload.model.settings)
+    settings = workload.settings
+    state, schedule = first_state(workload.model, settings), Schedule.of(settings)
     times: list[float] = []
     end = time.perf_counter() + SECONDS_PER_ROW
     while time.perf_counter() < end or len(times) < 5:

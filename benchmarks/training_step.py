@@ -25,8 +25,8 @@ from r3gw.files.provenance import peak_rss_mb
 from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import SceneModel, initial_model, load_model
-from r3gw.model.settings import TrainSettings
+from r3gw.model.model import SceneModel
+from r3gw.model.model_file import load_model
 from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.native import ops
 from r3gw.scene import load_scene
@@ -34,6 +34,8 @@ from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step
 from r3gw.training.photos import Photo, load_photos
 from r3gw.training.schedule import Schedule
+from r3gw.training.settings import TrainSettings, load_train_settings
+from r3gw.training.start import initial_model
 from r3gw.training.state import TrainingState, first_state
 
 ROOT = Path(__file__).parents[1]
@@ -52,6 +54,7 @@ class Workload:
 
     name: str
     model: SceneModel
+    settings: TrainSettings
     photos: list[Photo]
 
 
@@ -81,15 +84,16 @@ def slab(count: int, width: int, height: int) -> Workload:
     is_sky = torch.zeros(height, width, dtype=torch.bool)
     is_sky[: height // 3] = True
     photo = Photo("slab", camera, planes, torch.ones_like(is_sky), is_sky)
-    return Workload(f"slab-{count // 1000}k", model, [photo])
+    return Workload(f"slab-{count // 1000}k", model, settings, [photo])
 
 
 def trained() -> Iterator[Workload]:
     """The embedded scenes, if they have been trained."""
-    for path in sorted(Path("results").glob("*/full/seed0/model.pt")):
+    for path in sorted(Path("results").glob("*/full/seed0/model.safetensors")):
         folder = path.parents[2]
         photos = load_photos(load_scene(folder / "scene"), folder / "scene", folder / "masks")
-        yield Workload(folder.name, load_model(path), photos)
+        settings = load_train_settings(path.with_name("settings.json"))
+        yield Workload(folder.name, load_model(path), settings, photos)
 
 
 def step(state: TrainingState, photos: list[Photo], schedule: Schedule) -> None:
@@ -98,7 +102,7 @@ def step(state: TrainingState, photos: list[Photo], schedule: Schedule) -> None:
     index = state.iteration % len(photos)
     late = schedule.iterations
     rendering, loss, _ = objective(
-        state.model, photos[index], index, late, schedule, state.generator
+        state.model, state.settings, photos[index], index, late, schedule, state.generator
     )
     torch.autograd.backward(loss)
     camera, gradient = photos[index].camera, rendering.means2d.grad
@@ -111,7 +115,8 @@ def step(state: TrainingState, photos: list[Photo], schedule: Schedule) -> None:
 def measure(workload: Workload, threads: int) -> dict[str, str | int | float]:
     """One row of the table."""
     torch.set_num_threads(threads)
-    state, schedule = first_state(workload.model), Schedule.of(workload.model.settings)
+    settings = workload.settings
+    state, schedule = first_state(workload.model, settings), Schedule.of(settings)
     for _ in range(WARM_UP):
         step(state, workload.photos, schedule)
     times: list[float] = []

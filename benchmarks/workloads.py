@@ -6,11 +6,11 @@ from pathlib import Path
 
 import torch
 
-from r3gw.model.model import load_model
+from r3gw.model.model_file import load_model
 from r3gw.rendering.splats import splats_of
 from r3gw.scene import load_scene
 
-TRAINED = Path("results/chapel/full/seed0/model.pt")
+TRAINED = Path("results/chapel/full/seed0/model.safetensors")
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Slab:
-    """A seeded slab of Gaussians in front of an identity camera (rasterizer.md)."""
+    """A seeded slab of Gaussians in front of an identity camera (docs/rasterizer.md)."""
 
     name: str
     gaussians: int

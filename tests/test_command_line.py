@@ -35,15 +35,15 @@ def test_missing_scene_is_one_sentence(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("entry", "said"),
+    ("given", "said"),
     [
         ('{"format": "photos"', "not readable as JSON"),
         ("[1]", "expected a JSON object"),
-        (json.dumps({"format": "synthetic", "building": "chapel", "sampels": 3}), "sampels"),
+        (json.dumps({"building": "chapel", "sampels": 3}), "sampels"),
     ],
 )
-def test_wrong_entry_names_what_is_wrong(tmp_path, entry, said):
-    done = run("generate", "--entry", entry, "--target", str(tmp_path / "t"))
+def test_wrong_settings_name_what_is_wrong(tmp_path, given, said):
+    done = run("generate", "--settings", given, "--target", str(tmp_path / "t"))
     assert done.returncode == 2
     assert said in done.stderr
     assert "Traceback" not in done.stderr

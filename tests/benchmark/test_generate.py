@@ -16,6 +16,8 @@ from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.imaging.masks import erode, read_mask
 
+pytestmark = pytest.mark.slow
+
 NAME = "chapel"
 TINY = {"size_px": (32, 24), "train_views": 2, "test_views": 1, "samples": 1}
 

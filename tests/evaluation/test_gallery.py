@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from r3gw.evaluation.gallery import evenly, light_picture, write_gallery
+from r3gw.evaluation.gallery import light_picture, write_gallery
 from r3gw.geometry.cameras import pixel_rays
 from r3gw.imaging.files import read_rgb
 from r3gw.lighting import sh
@@ -25,7 +25,7 @@ def uncovered(tiny, view: str) -> np.ndarray:
 def gallery(tiny, tmp_path_factory):
     """The gallery of the tiny scene."""
     folder = tmp_path_factory.mktemp("gallery")
-    write_gallery(tiny.bench, folder)
+    write_gallery(tiny.trained, folder)
     return folder
 
 
@@ -54,7 +54,7 @@ def test_learned_lights_come_from_one_photo_per_session(tiny, gallery):
     light = photo_light(tiny.model, "a_0")
     looks = torch.nn.functional.normalize(pixel_rays(view.camera), dim=-1)  # it is not turned
     behind = (sh.radiance(light.sky_coefficients, looks) + 0.5).clamp(0.0, 1.0).numpy()
-    expected = tiny.bench.render(view, light) + uncovered(tiny, "c_swept") * behind
+    expected = tiny.trained.render(view, light) + uncovered(tiny, "c_swept") * behind
     picture = read_rgb(gallery / "learned" / "c_swept_0.png")
     np.testing.assert_allclose(picture, 255 * expected, rtol=0, atol=0.52)
 
@@ -67,8 +67,3 @@ def test_light_picture_is_white_at_its_brightest():
     assert picture[0].min() == 255
     expected = 255 * (0.2 / 0.8) ** (1 / 2.2)
     np.testing.assert_allclose(picture[40], expected, rtol=0, atol=1)
-
-
-def test_evenly_takes_both_ends():
-    assert evenly(range(10), 4) == [0, 3, 6, 9]
-    assert evenly("ab", 5) == ["a", "b"]

@@ -73,7 +73,7 @@ def test_our_own_renders_get_the_figures_of_the_table(tiny, tmp_path):
     evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path, num_threads=1)
     (scored,) = score_folders(
         tmp_path / "renders" / "exact",
-        tmp_path / "renders" / "truth",
+        tiny.folder / "images",
         tiny.folder / "given" / "eval",
     )
     record = json.loads((tmp_path / "images" / "exact" / "b_exact.json").read_text())

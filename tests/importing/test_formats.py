@@ -7,7 +7,7 @@ from support import formats
 from r3gw.benchmark.generate import generate
 from r3gw.imaging.files import read_labels
 from r3gw.importing.readers import nerf_osr_original
-from r3gw.importing.readers.nerf_osr import read_layout_a
+from r3gw.importing.readers.colmap_model import read_model
 from r3gw.importing.settings import ColmapScene, NerfOsrOriginalScene, NerfOsrScene, NerfstudioScene
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
@@ -32,7 +32,7 @@ def imported(settings, source, target):
 
 @pytest.fixture(scope="module")
 def expected(source):
-    """The scene as layout A gives it."""
+    """The scene as the NeRF-OSR layout gives it."""
     settings = NerfOsrScene(format="nerf-osr", path=".")
     return imported(settings, source, source.parent / "expected")
 
@@ -62,7 +62,7 @@ def assert_same_points(found, expected, atol):
     assert np.array_equal(points.rgb, reference.rgb)
 
 
-def test_layout_a_with_its_quirks(source, expected, tmp_path):
+def test_nerf_osr_with_its_quirks(source, expected, tmp_path):
     dropped = formats.as_published(source, tmp_path / "published")
     settings = NerfOsrScene(format="nerf-osr", path=".")
     found = imported(settings, tmp_path / "published", tmp_path / "scene")
@@ -90,7 +90,7 @@ def test_nerfstudio(source, expected, tmp_path):
 def test_original_nerf_osr(source, expected, tmp_path, monkeypatch):
     """Its points are triangulated, which needs larger photos: see test_triangulate."""
     formats.nerf_osr_original(source, tmp_path / "osr")
-    points = read_layout_a(source).points
+    points = read_model(source / "undistorted" / "sparse" / "0").points
     monkeypatch.setattr(nerf_osr_original, "triangulated_points", lambda *_args, **_keys: points)
     settings = NerfOsrOriginalScene(format="nerf-osr-original", **GIVEN)
     found = imported(settings, tmp_path / "osr", tmp_path / "scene")
@@ -102,7 +102,7 @@ def test_original_nerf_osr(source, expected, tmp_path, monkeypatch):
 
 def test_labels_are_scaled_without_new_colours(source, tmp_path, monkeypatch):
     formats.nerf_osr_original(source, tmp_path / "osr")
-    points = read_layout_a(source).points
+    points = read_model(source / "undistorted" / "sparse" / "0").points
     monkeypatch.setattr(nerf_osr_original, "triangulated_points", lambda *_args, **_keys: points)
     settings = NerfOsrOriginalScene(format="nerf-osr-original", max_image_px=40, **GIVEN)
     scene, folder = imported(settings, tmp_path / "osr", tmp_path / "scene")

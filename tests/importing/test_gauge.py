@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from r3gw.files import InputError
 from r3gw.importing.gauge import roll_deg, scene_from_source, up_direction, upright_rotation
-from r3gw.scene import Points
+from r3gw.importing.source import SourcePoints
 
 UP = np.array([0.0, -1.0, 0.0])
 
@@ -60,7 +60,7 @@ def test_scene_does_not_depend_on_the_source_frame():
     turn, shift = Rotation.from_rotvec([1.1, 0.3, -2.0]).as_matrix(), np.array([5.0, -3.0, 8.0])
     scenes = []
     for source, rotations in ((xyz, world), (100 * xyz @ turn.T + shift, world @ turn.T)):
-        points = Points(source.astype(np.float32), np.zeros((200, 3), np.uint8))
+        points = SourcePoints(source, np.zeros((200, 3), np.uint8))
         rotation = upright_rotation(rotations)
         np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), rtol=0, atol=1e-12)
         assert np.linalg.det(rotation) > 0
@@ -82,6 +82,6 @@ def test_mean_view_looks_along_z_and_up_is_minus_y():
 
 
 def test_points_in_one_place_are_refused():
-    points = Points(np.ones((5, 3), np.float32), np.zeros((5, 3), np.uint8))
+    points = SourcePoints(np.ones((5, 3)), np.zeros((5, 3), np.uint8))
     with pytest.raises(InputError, match="5 points all lie in one place"):
         scene_from_source(points, None, 10.0)

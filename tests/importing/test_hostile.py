@@ -17,7 +17,7 @@ STEM = nerf_osr_layout.STEMS[0]
 
 @pytest.fixture
 def source(tmp_path):
-    """A tiny scene in layout A, all photos .jpg."""
+    """A tiny scene in the NeRF-OSR layout, all photos .jpg."""
     place = nerf_osr_layout.build(tmp_path / "place")
     images = place.undistorted / "images"
     for path in list(images.iterdir()):
@@ -157,11 +157,11 @@ def small_labels(folder):
 )
 def test_original_nerf_osr(source, damage, sentence, monkeypatch):
     from r3gw.importing.readers import nerf_osr_original
-    from r3gw.importing.readers.nerf_osr import read_layout_a
+    from r3gw.importing.readers.colmap_model import read_model
 
     folder = source.parent / "osr"
     formats.nerf_osr_original(source, folder)
-    points = read_layout_a(source).points
+    points = read_model(source / "undistorted" / "sparse" / "0").points
     monkeypatch.setattr(nerf_osr_original, "triangulated_points", lambda *_args, **_keys: points)
     damage(folder)
     refused(NerfOsrOriginalScene(format="nerf-osr-original", path="."), folder, sentence)

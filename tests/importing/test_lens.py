@@ -2,16 +2,14 @@
 
 import cv2
 import numpy as np
-import pycolmap
 import pytest
 
 from r3gw.imaging.files import read_grey, read_rgb
 from r3gw.importing.gauge import scene_from_source
-from r3gw.importing.lens import is_pinhole
-from r3gw.importing.posed import camera_without_lens
-from r3gw.importing.source import SourceMask, SourceScene, SourceView
+from r3gw.importing.lens import Lens
+from r3gw.importing.posed import camera_of
+from r3gw.importing.source import SourceMask, SourcePoints, SourceScene, SourceView
 from r3gw.importing.write import write_scene
-from r3gw.scene import Points
 
 SIZE = (200, 150)
 PINHOLE = [160.0, 165.0, 98.0, 77.0]
@@ -52,15 +50,15 @@ def written(request, tmp_path):
     cv2.imwrite(str(tmp_path / "valid.png"), ((x > 0.1) * 255).astype(np.uint8))
     cv2.imwrite(str(tmp_path / "not_sky.png"), ((y > -0.2) * 255).astype(np.uint8))
     parameters = [*PINHOLE, *extra] if len(extra) == 4 else [PINHOLE[0], *PINHOLE[2:], *extra]
-    lens = pycolmap.Camera(model=request.param, width=SIZE[0], height=SIZE[1], params=parameters)
-    assert not is_pinhole(lens)
-    camera = camera_without_lens(np.eye(4), lens, "a")
+    lens = Lens(request.param, *SIZE, tuple(parameters))
+    assert not lens.is_pinhole
+    camera = camera_of(np.eye(4), lens, "a")
     masks = {
         "is_valid": SourceMask(tmp_path / "valid.png"),
         "is_sky": SourceMask(tmp_path / "not_sky.png", white_means=False),
     }
     view = SourceView("a", tmp_path / "a.png", camera, "train", masks=masks, lens=lens)
-    points = Points(np.eye(3, dtype=np.float32), np.zeros((3, 3), np.uint8))
+    points = SourcePoints(np.eye(3), np.zeros((3, 3), np.uint8))
     scene = write_scene(
         SourceScene((view,), points),
         scene_from_source(points, None, None),

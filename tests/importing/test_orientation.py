@@ -6,6 +6,7 @@ import pytest
 from support.exif import with_orientation
 
 from r3gw.files import InputError
+from r3gw.imaging.decode import read_picture
 from r3gw.imaging.files import read_rgb
 from r3gw.importing.orientation import upright_mask
 
@@ -18,7 +19,7 @@ def test_a_mask_of_the_stored_pixels_turns_with_its_photo(tmp_path, orientation)
     cv2.imwrite(str(tmp_path / "mask.png"), stored)
     upright = read_rgb(tmp_path / "photo.jpg")[..., 0] >= 128
     assert upright.shape == (48, 32)
-    mask = upright_mask(tmp_path / "mask.png", tmp_path / "photo.jpg")
+    mask = upright_mask(tmp_path / "mask.png", read_picture(tmp_path / "photo.jpg")).is_white
     assert np.array_equal(mask, upright)
 
 
@@ -27,7 +28,7 @@ def test_a_mask_of_the_upright_photo_stays(tmp_path):
     upright = np.zeros((48, 32), np.uint8)
     upright[:8, :16] = 255
     cv2.imwrite(str(tmp_path / "mask.png"), upright)
-    mask = upright_mask(tmp_path / "mask.png", tmp_path / "photo.jpg")
+    mask = upright_mask(tmp_path / "mask.png", read_picture(tmp_path / "photo.jpg")).is_white
     assert np.array_equal(mask, upright >= 128)
 
 
@@ -36,4 +37,4 @@ def test_a_mask_of_another_size_is_refused(tmp_path, shape):
     cv2.imwrite(str(tmp_path / "photo.jpg"), np.zeros((48, 32), np.uint8))  # no EXIF
     cv2.imwrite(str(tmp_path / "mask.png"), np.zeros(shape, np.uint8))
     with pytest.raises(InputError, match="but its photo is 32x48 px; make the mask again"):
-        upright_mask(tmp_path / "mask.png", tmp_path / "photo.jpg")
+        upright_mask(tmp_path / "mask.png", read_picture(tmp_path / "photo.jpg"))

@@ -8,9 +8,8 @@ import torch
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import read_rgb
-from r3gw.importing.source import SourceScene, SourceView
+from r3gw.importing.source import SourcePoints, SourceScene, SourceView
 from r3gw.importing.write import write_scene
-from r3gw.scene import Points
 
 
 @pytest.mark.parametrize(
@@ -20,9 +19,9 @@ def test_photos_wider_than_allowed_shrink_to_the_width(tmp_path, size, expected)
     cv2.imwrite(str(tmp_path / "a.png"), np.zeros((size[1], size[0], 3), np.uint8))
     pose = torch.eye(4, dtype=torch.float64)
     camera = Camera(pose, (50.0, 50.0, size[0] / 2, size[1] / 2), *size)
-    points = Points(np.zeros((1, 3), np.float32), np.zeros((1, 3), np.uint8))
+    points = SourcePoints(np.zeros((1, 3)), np.zeros((1, 3), np.uint8))
     view = write_scene(
-        SourceScene((SourceView("a", tmp_path / "a.png", camera, "train"),), points),
+        SourceScene((SourceView("a.png", tmp_path / "a.png", camera, "train"),), points),
         Similarity.identity(),
         tmp_path / "scene",
         name="a",

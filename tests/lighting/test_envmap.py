@@ -97,7 +97,7 @@ def test_diffuse_and_specular_light_come_from_the_same_side(patch):
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, -2.1])
 def test_published_mapping_at_minus_a_quarter_turn(angle):
-    # d = (-sin t cos(p + a), -cos t, -sin t sin(p + a)), data.md E.
+    # d = (-sin t cos(p + a), -cos t, -sin t sin(p + a)), as the published protocol has it.
     theta = pi * (np.arange(8) + 0.5) / 8
     phi = 2 * pi * (np.arange(16) + 0.5) / 16 + angle
     t, p = np.meshgrid(theta, phi, indexing="ij")

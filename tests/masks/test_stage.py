@@ -1,4 +1,4 @@
-"""The mask stage on a scene in layout A: chains of sources, checks, what it writes."""
+"""The mask stage on a scene in the NeRF-OSR layout: chains of sources, checks, what it writes."""
 
 import json
 
@@ -8,7 +8,7 @@ from support import nerf_osr_layout
 
 from r3gw.files import InputError
 from r3gw.files.strict import validated
-from r3gw.imaging.files import read_grey, write_image
+from r3gw.imaging.files import read_grey, read_rgb, write_image
 from r3gw.importing.settings import NerfOsrScene
 from r3gw.importing.stage import import_scene
 from r3gw.masks.folder import load_masks
@@ -177,3 +177,48 @@ def test_label_maps_of_the_data_and_of_the_entry(imported, tmp_path):
 def test_wrong_chain_is_one_sentence(values, said):
     with pytest.raises(InputError, match=said):
         validated(MaskSources, values, "config")
+
+
+def imported_with(tmp_path, change):
+    place = nerf_osr_layout.build(tmp_path / "place")
+    change(place.undistorted)
+    settings = NerfOsrScene(format="nerf-osr", path=".")
+    scene = import_scene("place", settings, place.folder, tmp_path / "scene", num_threads=1)
+    return scene.views[0], tmp_path / "scene", tmp_path / "masks"
+
+
+def test_transparent_pixels_are_neither_valid_nor_sky(tmp_path):
+    stem = nerf_osr_layout.STEMS[0]
+
+    def make_transparent(undistorted):
+        (photo,) = (undistorted / "images").glob(f"{stem}.*")
+        alpha = np.where(ROWS < 8, 0, 255)[..., None].astype(np.uint8)
+        rgba = np.concatenate([read_rgb(photo), alpha], axis=2)
+        photo.unlink()
+        write_image(photo.with_suffix(".png"), rgba)
+
+    view, folder, target = imported_with(tmp_path, make_transparent)
+    make_masks(folder, target, GIVEN)
+    is_valid, is_sky = load_masks(target, view)
+    assert np.array_equal(is_valid, (COLUMNS < 56) & (ROWS >= 8))
+    assert np.array_equal(is_sky, (ROWS < 16) & (ROWS >= 8))
+    record = views_of(target)[view.name]["is_valid"]
+    assert record == {
+        "source": "given",
+        "share": pytest.approx(0.875 * 5 / 6, abs=1e-6, rel=0),
+        "transparent": pytest.approx(1 / 6, abs=1e-6, rel=0),
+    }
+
+
+def test_dark_mask_is_refused_with_the_range_of_its_values(tmp_path):
+    stem = nerf_osr_layout.STEMS[0]
+
+    def darken(undistorted):
+        (mask,) = (undistorted / "masks").glob(f"{stem}.*")
+        mask.unlink()
+        write_image(mask.with_suffix(".png"), np.where(COLUMNS < 56, 38, 0).astype(np.uint8))
+
+    _, folder, target = imported_with(tmp_path, darken)
+    sentence = r"\(given, values from 0 to 38, white begins at 128\): every pixel is an occluder"
+    with pytest.raises(InputError, match=sentence):
+        make_masks(folder, target, GIVEN)

@@ -7,11 +7,14 @@ import torch
 
 from r3gw.lighting.outdoor import outdoor_light
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import initial_model, load_model, save_model
+from r3gw.model.light_models.outdoor import OutdoorLight
+from r3gw.model.model_file import load_model, save_model
 from r3gw.model.sky import SkyDome, sample_dome
+from r3gw.training.start import initial_model
 
 PHOTOS = ("a_1", "b_1", "a_2")
 SESSIONS = ("a", "b", "a")
+SUN_POWER, REFLECTANCE = 1.3, 0.25
 
 
 @pytest.fixture
@@ -25,9 +28,9 @@ def make_model(settings):
             torch.randn(20, 3, generator=generator), dome, sample_dome(dome, 10, generator)
         )
         kind = settings.model.model_copy(update={"share_session_light": share})
-        outdoor = settings.outdoor.model_copy(update={"enabled": skies is not None})
-        changed = settings.model_copy(update={"model": kind, "outdoor": outdoor})
-        return initial_model(points, PHOTOS, changed, SESSIONS, skies)
+        changed = settings.model_copy(update={"model": kind})
+        light_model = None if skies is None else OutdoorLight(skies, SUN_POWER, REFLECTANCE, 4)
+        return initial_model(points, PHOTOS, changed, SESSIONS, light_model=light_model)
 
     return make
 
@@ -52,7 +55,7 @@ def test_the_kernel_equals_the_modules(make_model, dropout):
     with torch.no_grad():
         for value in appearance.parameters():
             value.add_(0.1 * torch.randn(value.shape, generator=generator))
-    appearance.trunk[2].p = dropout
+    appearance.dropout.p = dropout
     outcomes = []
     for run in (appearance, lambda photo: plain_light(appearance, photo)):
         torch.manual_seed(5)
@@ -85,8 +88,8 @@ def test_model_file_keeps_sessions(make_model, tmp_path):
     model = make_model(True)
     with torch.no_grad():
         model.appearance.log_exposure[2] = 0.3
-    save_model(model, tmp_path / "model.pt")
-    again = load_model(tmp_path / "model.pt")
+    save_model(model, tmp_path / "model.safetensors")
+    again = load_model(tmp_path / "model.safetensors")
     assert again.sessions == SESSIONS
     for i in range(3):
         for found, expected in zip(again.appearance(i)[:2], model.appearance(i)[:2], strict=True):
@@ -99,15 +102,14 @@ def test_an_outdoor_light_starts_from_its_sky_and_a_sun_overhead(make_model):
     skies = torch.zeros(2, 4, 3)
     skies[:, 0] = torch.tensor([[0.3], [0.6]]) * sqrt(4 * pi)
     model = make_model(True, skies)
-    outdoor = model.settings.outdoor
-    up, power = torch.tensor([0.0, -1.0, 0.0]), torch.full((3,), outdoor.sun_power)
+    up, power = torch.tensor([0.0, -1.0, 0.0]), torch.full((3,), SUN_POWER)
     for photo, row in enumerate((0, 1, 0)):
         light, _, open_sky = model.appearance(photo)
         torch.testing.assert_close(
             open_sky.radiance - open_sky.change, skies[row], rtol=1e-5, atol=1e-6
         )
         assert 1e-5 < float(open_sky.change.abs().max()) < 0.2
-        expected = outdoor_light(open_sky.radiance, up, power, outdoor.ground_reflectance, 4)
+        expected = outdoor_light(open_sky.radiance, up, power, REFLECTANCE, 4)
         torch.testing.assert_close(light, expected, rtol=1e-5, atol=1e-5)
 
 
@@ -123,10 +125,10 @@ def test_an_exposure_scales_sun_and_sky(make_model):
 def test_an_outdoor_model_file_keeps_sun_and_sky(make_model, tmp_path):
     model = make_model(True, torch.rand(2, 4, 3, generator=torch.Generator().manual_seed(1)))
     with torch.no_grad():
-        model.appearance.outdoor.sun_directions[1] = torch.tensor([0.5, -0.5, 0.1])
-        model.appearance.outdoor.log_sun_powers[1] = 0.7
-    save_model(model, tmp_path / "model.pt")
-    again = load_model(tmp_path / "model.pt")
+        model.appearance.light_model.sun_directions[1] = torch.tensor([0.5, -0.5, 0.1])
+        model.appearance.light_model.log_sun_powers[1] = 0.7
+    save_model(model, tmp_path / "model.safetensors")
+    again = load_model(tmp_path / "model.safetensors")
     for i in range(3):
         found, expected = again.appearance(i), model.appearance(i)
         torch.testing.assert_close(found.light, expected.light, rtol=0, atol=0)

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from r3gw.lighting import sh
 from r3gw.lighting.irradiance import irradiance
-from r3gw.model.model import load_model, save_model
+from r3gw.model.model_file import load_model, save_model
 from r3gw.model.occlusion import (
     OpacityGrid,
     blocked_irradiance,
@@ -217,7 +217,7 @@ def test_shading_subtracts_what_is_lost(model, camera, degree):
 def test_model_file_keeps_occlusion(model, tmp_path):
     lost = torch.randn(len(model.foreground), 25, generator=torch.Generator().manual_seed(0))
     model.foreground.add_computed(OCCLUSION, lost)
-    save_model(model, tmp_path / "model.pt")
-    again = load_model(tmp_path / "model.pt").foreground
+    save_model(model, tmp_path / "model.safetensors")
+    again = load_model(tmp_path / "model.safetensors").foreground
     assert not again[OCCLUSION].requires_grad
     assert_allclose(again[OCCLUSION].numpy(), lost.numpy())

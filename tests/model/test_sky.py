@@ -11,15 +11,18 @@ from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.model.initial import initial_points, load_initial, save_initial, seen_azimuths
-from r3gw.model.settings import SkySettings
-from r3gw.model.sky import Sky, SkyDome, sample_dome
+from r3gw.model.settings import InitSettings, SkySettings
+from r3gw.model.sky import Sky, SkyDome, initial_sky, sample_dome
 
 DOME = SkyDome(torch.tensor([1.0, 2.0, 3.0]), 5.0, (-0.5, 2.0))
 SKY = SkySettings(count_per_radius=100, min_count=10, max_count=100000, azimuth_range="cameras")
 
+INIT = InitSettings(opacity=0.1, roughness=0.5, albedo=0.7, light_radiance=1.0)
+
 
 def make_sky(count: int = 2000) -> Sky:
-    return Sky(DOME, sample_dome(DOME, count, torch.Generator().manual_seed(0)), 0.1)
+    angles = sample_dome(DOME, count, torch.Generator().manual_seed(0))
+    return initial_sky(DOME, angles, INIT)
 
 
 def test_dome_samples_are_uniform_per_area():

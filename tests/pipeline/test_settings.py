@@ -6,9 +6,9 @@ import pytest
 
 from r3gw.files import InputError
 from r3gw.files.strict import read_yaml
-from r3gw.model.settings import load_train_settings
 from r3gw.pipeline.config import load_config, run_settings
 from r3gw.pipeline.scene_entry import parse_entry
+from r3gw.training.settings import load_train_settings
 
 
 @pytest.fixture

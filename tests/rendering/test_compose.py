@@ -6,11 +6,12 @@ import torch
 from r3gw.files import InputError
 from r3gw.geometry.rotations import rotation_from_quaternion, shortest_axes
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import initial_model, load_model, save_model
+from r3gw.model.model_file import load_model, save_model
 from r3gw.model.sky import SkyDome
 from r3gw.rendering.channels import NORMAL, Layers
 from r3gw.rendering.compose import draw, render
 from r3gw.rendering.splats import splats_of
+from r3gw.training.start import initial_model
 
 
 @pytest.fixture
@@ -111,8 +112,8 @@ def test_single_set_makes_the_sky_points_foreground(settings):
 
 
 def test_model_file_keeps_the_picture(model, camera, tmp_path):
-    save_model(model, tmp_path / "model.pt")
-    again = load_model(tmp_path / "model.pt")
+    save_model(model, tmp_path / "model.safetensors")
+    again = load_model(tmp_path / "model.safetensors")
     assert again.photos == ("a", "b")
     model.appearance.eval()
     before = render(model, camera, *model.appearance(1)[:2]).colour
@@ -122,11 +123,12 @@ def test_model_file_keeps_the_picture(model, camera, tmp_path):
 
 def test_model_file_does_not_depend_on_its_name(model, tmp_path):
     """The temporary name holds the process id; it must not reach the bytes."""
-    save_model(model, tmp_path / "one.pt")
-    save_model(model, tmp_path / "another.pt")
-    assert (tmp_path / "one.pt").read_bytes() == (tmp_path / "another.pt").read_bytes()
+    save_model(model, tmp_path / "one.safetensors")
+    save_model(model, tmp_path / "another.safetensors")
+    one, another = (tmp_path / f"{name}.safetensors" for name in ("one", "another"))
+    assert one.read_bytes() == another.read_bytes()
 
 
 def test_missing_model_is_a_clear_error(tmp_path):
-    with pytest.raises(InputError, match=r"model\.pt: no such model; train the scene first"):
-        load_model(tmp_path / "model.pt")
+    with pytest.raises(InputError, match=r"no such model; train the scene first"):
+        load_model(tmp_path / "model.safetensors")

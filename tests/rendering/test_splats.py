@@ -9,11 +9,11 @@ import torch
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import initial_model
 from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.rendering import reference, splats
 from r3gw.rendering.channels import CHANNELS, NUM_LEARNED, Layers
 from r3gw.rendering.splat_set import Splats
+from r3gw.training.start import initial_model
 
 NAMES = [field.name for field in fields(Splats) if field.name != "layers"]
 

@@ -95,7 +95,7 @@ def test_page_shows_tables_settings_and_provenance(text):
         "r3gw without specular",
         "digest-no_specular",
         "&lt;machine &amp; co&gt;",
-        "<code>model.specular</code>: True → False",
+        "<code>model.specular</code>: true → false",
         "1 training photos, 1 test photos, 50 SfM points",
     ):
         assert piece in " ".join(text.split()), piece

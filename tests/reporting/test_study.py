@@ -8,8 +8,10 @@ import pytest
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
-from r3gw.reporting.figures.study_plot import _figure, study_figure
-from r3gw.reporting.tables.study import changed, study_table
+from r3gw.reporting.changes import Change, changes
+from r3gw.reporting.figures.plots import study_plot
+from r3gw.reporting.figures.stage import write_study
+from r3gw.reporting.tables.study import study_table
 
 SETTINGS = {"iterations": 100, "seed": 0, "density": {"reset_interval": None, "first": 5}}
 
@@ -55,6 +57,13 @@ def files(tmp_path) -> list[Path]:
     return [write_run(tmp_path, *row, **more[row[1]]) for row in rows]
 
 
+def write_all(files: list[Path], folder: Path) -> None:
+    """Tables and plot of a study, all in one folder."""
+    write_study(
+        files, "full", folder / "study.csv", folder / "study_runs.csv", folder / "study.png"
+    )
+
+
 def test_gain_is_the_difference_of_averages_over_scenes(files, tmp_path):
     study_table(files, "full", tmp_path / "study.csv")
     table = pd.read_csv(tmp_path / "study.csv").set_index("variant")
@@ -97,11 +106,12 @@ def test_a_loss_has_a_minus(files, tmp_path):
 
 def test_changes_are_read_from_the_settings():
     after = {"iterations": 100, "seed": 3, "density": {"reset_interval": 3000, "first": 5}}
-    assert changed(SETTINGS, after) == "density.reset_interval null → 3000"
-    assert changed(SETTINGS, SETTINGS | {"iterations": 5, "new": "x"}) == (
-        "iterations 100 → 5, new absent → x"
-    )
-    assert changed(SETTINGS, SETTINGS | {"seed": 9}) == ""
+    assert changes(SETTINGS, after) == [Change("density.reset_interval", "null", "3000")]
+    assert changes(SETTINGS, SETTINGS | {"iterations": 5, "new": "x"}) == [
+        Change("iterations", "100", "5"),
+        Change("new", "absent", "x"),
+    ]
+    assert changes(SETTINGS, SETTINGS | {"seed": 9}) == []
 
 
 def test_a_variant_that_lacks_a_scene_has_no_average_and_no_gain(files, tmp_path):
@@ -114,21 +124,20 @@ def test_a_variant_that_lacks_a_scene_has_no_average_and_no_gain(files, tmp_path
 
 def test_every_variant_is_drawn_at_its_seconds_and_psnr(files, tmp_path):
     table = study_table(files, "full", tmp_path / "study.csv")
-    exact, published = _figure(table, "full").axes
+    exact, published = study_plot(table, "full").axes
     drawn = {
         errorbar.get_label(): (*errorbar.lines[0].get_xydata()[0],) for errorbar in exact.containers
     }
     assert drawn == {"full": (12.0, 18.5), "long": (18.0, 19.625)}
     assert published.containers[1].lines[0].get_ydata()[0] == 18.625
-    study_figure(table, "full", tmp_path / "study.png")
+    write_all(files, tmp_path)
     assert read_rgb(tmp_path / "study.png").shape[1] > 1000
     assert (tmp_path / "study.pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_same_files_give_the_same_bytes(files, tmp_path):
     for name in ("a", "b"):
-        table = study_table(files, "full", tmp_path / name / "study.csv")
-        study_figure(table, "full", tmp_path / name / "study.png")
+        write_all(files, tmp_path / name)
     for suffix in ("csv", "md", "png", "pdf"):
         first, second = (tmp_path / name / f"study.{suffix}" for name in ("a", "b"))
         assert first.read_bytes() == second.read_bytes()

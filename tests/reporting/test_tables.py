@@ -120,8 +120,8 @@ def test_markdown_has_a_table_per_protocol(files, tmp_path):
     assert [block.split(":")[0] for block in blocks] == ["nerf-osr", "full-yaw", "exact", "learned"]
     rows = [line.split("|")[1:-1] for line in blocks[2].splitlines() if line.startswith("|")]
     row = {head.strip(): cell.strip() for head, cell in zip(rows[0], rows[2], strict=True)}
-    assert (row["Method"], row["PSNR chapel"], row["PSNR avg"]) == ("r3gw", "22.00", "20.00")
-    assert row["SSIM avg"] == "0.200"
+    assert (row["Method"], row["PSNR chapel"]) == ("r3gw", "22.00 ± 1.41")
+    assert (row["PSNR avg"], row["SSIM avg"]) == ("20.00 ± 1.41", "0.200 ± 0.014")
 
 
 def test_latex_is_a_booktabs_tabular(files, tmp_path):
@@ -134,9 +134,74 @@ def test_latex_is_a_booktabs_tabular(files, tmp_path):
         if line.endswith("\\\\"):
             spans = [int(n) - 1 for n in re.findall(r"\\multicolumn\{(\d+)\}", line)]
             assert line.count("&") + 1 + sum(spans) == len(columns), line
-    assert "r3gw & \\textbf{23.00} & \\textbf{0.230} & 0.023 & 0.046 &" in latex
+    row = "r3gw & \\textbf{23.00} $\\pm$ 1.41 & \\textbf{0.230} $\\pm$ 0.014 & 0.023 $\\pm$ 0.001 &"
+    assert row in latex
     body = latex.split("\n", 1)[1]
     assert "_" not in body.replace("\\_", "")
+
+
+def test_one_seed_has_no_spread_and_no_mark(files, tmp_path):
+    table1([path for path in files if path.parent.name.endswith("_0")], None, tmp_path / "t.csv")
+    columns = pd.read_csv(tmp_path / "t.csv").columns
+    assert [name for name in columns if "_std_" in name] == ["psnr_std_avg"]
+    assert "within_spread" not in columns
+    for suffix in ("md", "tex"):
+        text = (tmp_path / f"t.{suffix}").read_text()
+        assert "±" not in text
+        assert "pm$" not in text
+        assert "*" not in text.replace("**", "")
+
+
+def test_a_difference_within_the_spread_is_marked(tmp_path):
+    """PSNR of full 20, 22: spread √2. 0.5 dB below it is within, 1.5 dB below is not."""
+    psnrs = {"full": (20.0, 22.0), "no_specular": (19.5, 21.5), "no_sky_depth": (18.5, 20.5)}
+    files = [
+        write_metrics(tmp_path, "chapel", variant, seed, [psnr])
+        for variant, each in psnrs.items()
+        for seed, psnr in enumerate(each)
+    ]
+    table1(files, None, tmp_path / "table1.csv")
+    table = read(tmp_path / "table1.csv")
+    full, near, far = (table.loc[name] for name in table.index)
+    for row in (full, near, far):
+        assert row.psnr_std_chapel == pytest.approx(2**0.5, rel=1e-5, abs=0)
+        assert row.psnr_exact_std_avg == pytest.approx(2**0.5, rel=1e-5, abs=0)
+    assert pd.isna(full.within_spread)
+    assert {"psnr_chapel", "psnr_avg", "ssim_exact_avg"} <= set(near.within_spread.split(";"))
+    # Training views are alike in all runs, and so are means whose differences are nothing.
+    assert {name.split("_")[1] for name in far.within_spread.split(";")} == {"learned"}
+    lines = (tmp_path / "table1.md").read_text().splitlines()
+    assert [line.split("|")[2].strip() for line in lines[4:7]] == [
+        "21.00 ± 1.41",
+        "20.50 ± 1.41*",
+        "19.50 ± 1.41",
+    ]
+    assert lines[-1].startswith("± is the sample standard deviation over seeds.")
+    assert "20.50 $\\pm$ 1.41$^*$" in (tmp_path / "table1.tex").read_text()
+
+
+def test_a_variant_of_one_seed_among_others_of_several_has_no_spread(files, tmp_path):
+    table1(files[:5] + files[6:7], None, tmp_path / "table1.csv")
+    row = read(tmp_path / "table1.csv").loc["r3gw without specular"]
+    assert pd.isna(row.psnr_std_chapel)
+    assert pd.isna(row.within_spread)
+    cell = (tmp_path / "table1.md").read_text().splitlines()[5].split("|")[2]
+    assert cell.strip() == "19.00"
+
+
+def test_rows_are_called_and_ordered_as_what_they_are(tmp_path):
+    given = ("own_try", "r3gw_plus", "no_specular", "full", "no_sky_depth")
+    files = [write_metrics(tmp_path, "chapel", variant, 0, [20.0]) for variant in given]
+    table1(files, None, tmp_path / "table1.csv")
+    table = pd.read_csv(tmp_path / "table1.csv")
+    assert list(zip(table.method, table.group, strict=True)) == [
+        ("r3gw", "measured"),
+        ("r3gw without specular", "measured ablation"),
+        ("r3gw without sky-depth loss", "measured ablation"),
+        ("r3gw_plus", "measured, beyond the paper"),
+        ("r3gw, own try", "measured, own settings"),
+    ]
+    assert list(table.variant) == ["full", "no_specular", "no_sky_depth", "r3gw_plus", "own_try"]
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="needs LaTeX")
@@ -255,8 +320,8 @@ def test_bad_files_are_named(files, tmp_path):
     with pytest.raises(InputError, match="scene chapel, variant full, seed 0"):
         table1([files[0], files[0]], None, tmp_path / "t.csv")
     (files[0].with_name("cost.json")).unlink()
-    with pytest.raises(InputError, match=r"cost\.json: no such file; evaluate the run first"):
-        table1(files[:1], None, tmp_path / "t.csv")
+    with pytest.raises(InputError, match=r"cost\.json: no such file; train and evaluate the run"):
+        cost(files[:1], tmp_path / "cost.csv")
     (tmp_path / "old.json").write_text("{}")
     (tmp_path / "cost.json").write_text("{}")
     with pytest.raises(InputError, match=r"old\.json: not a metrics file"):

@@ -1,4 +1,4 @@
-"""Converts a scene from layout A to the other formats, sharing no code with their readers."""
+"""Converts a scene from the NeRF-OSR layout to other formats, by no code of their readers."""
 
 import json
 import shutil
@@ -31,7 +31,7 @@ def world_from_cam(image: pycolmap.Image) -> np.ndarray:
 
 
 def as_published(source: Path, target: Path) -> list[str]:
-    """Layout A with all its quirks; returns the stems whose sky masks are left out."""
+    """The NeRF-OSR layout with all its quirks; returns the stems whose sky masks are left out."""
     shutil.copytree(source, target)
     folder = target / "undistorted"
     names = sorted(split_of(source))

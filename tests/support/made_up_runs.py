@@ -72,7 +72,7 @@ def make_run(folder: Path, variant: str, *, with_test: bool) -> Path:
         )
     for record in records:
         name = record["view"]
-        for kind in ("truth", "albedo", "normal", "sky", "foreground", record["protocol"]):
+        for kind in ("albedo", "normal", "sky", "foreground", record["protocol"]):
             write_image(metrics / "renders" / kind / f"{name}.png", plain(BLUE))
         write_exr(
             metrics / "renders" / "depth" / f"{name}.exr", np.full((12, 16, 3), 5, np.float32)

@@ -1,4 +1,4 @@
-"""Builds a tiny scene in layout A (data.md A) with pycolmap and made pictures, for tests."""
+"""Builds a tiny scene in the NeRF-OSR layout (docs/data.md), by pycolmap, with made pictures."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -21,7 +21,7 @@ FULL = {
 
 
 class Patient:
-    """A configuration of one scene in layout A, with everything made that the doctor looks at."""
+    """A configuration of one scene, with everything made that the doctor looks at."""
 
     def __init__(self, folder, defaults):
         self.folder, self.defaults = folder, defaults

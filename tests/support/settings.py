@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from r3gw.files.strict import read_yaml
-from r3gw.model.settings import TrainSettings
+from r3gw.training.settings import TrainSettings
 
 TRAIN_FILE = Path(__file__).parents[2] / "config" / "train.yaml"
 

@@ -5,9 +5,10 @@ import torch
 
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import SceneModel, initial_model
-from r3gw.model.settings import TrainSettings
+from r3gw.model.model import SceneModel
 from r3gw.model.sky import SkyDome, sample_dome
+from r3gw.training.settings import TrainSettings
+from r3gw.training.start import initial_model
 from support.settings import train_settings
 
 

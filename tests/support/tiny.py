@@ -8,17 +8,19 @@ import numpy as np
 import pytest
 import torch
 
-from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.files import write_json
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
 from r3gw.model.initial import initial_points
-from r3gw.model.model import SceneModel, initial_model, save_model
+from r3gw.model.model import SceneModel
+from r3gw.model.model_file import save_model
 from r3gw.rendering.compose import render
 from r3gw.scene import EvaluationEntry, GroundTruth, Scene, View, load_scene, save_scene
 from r3gw.scene.scene import Gauge
+from r3gw.training.start import initial_model
 from support.settings import train_settings
 
 SIZE = (48, 32)
@@ -45,9 +47,9 @@ class Tiny:
     env_map: torch.Tensor
 
     @property
-    def bench(self) -> Bench:
-        """A bench over the files."""
-        return Bench(self.model, load_scene(self.folder), self.folder, self.masks)
+    def trained(self) -> TrainedScene:
+        """The model beside its scene's files."""
+        return TrainedScene(self.model, load_scene(self.folder), self.folder, self.masks)
 
     def view(self, name: str) -> View:
         """A view by name."""
@@ -68,13 +70,13 @@ def tiny(tmp_path_factory) -> Tiny:
     save_scene(scene, folder)
     model = _model([view.camera for view in scene.views])
     (folder / "run").mkdir()
-    save_model(model, folder / "run" / "model.pt")
+    save_model(model, folder / "run" / "model.safetensors")
     write_json(folder / "run" / "run.json", RUN)
     hdr, ldr = _env_maps()
     write_exr(folder / "envmaps" / "true.exr", hdr.numpy())
     write_image(folder / "envmaps" / "phone.png", ldr)
     _write_photos(model, views, hdr, ldr, folder)
-    return Tiny(folder, folder / "masks", folder / "run" / "model.pt", model, hdr)
+    return Tiny(folder, folder / "masks", folder / "run" / "model.safetensors", model, hdr)
 
 
 def _view(name: str, shift: float) -> View:

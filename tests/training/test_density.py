@@ -4,9 +4,10 @@ from math import pi
 
 import pytest
 import torch
+from support.settings import train_settings
 
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import SceneModel, initial_model
+from r3gw.model.model import SceneModel
 from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.training.density import (
     GradientStatistics,
@@ -16,8 +17,10 @@ from r3gw.training.density import (
     split_children,
 )
 from r3gw.training.optimizer import make_optimizer
+from r3gw.training.start import initial_model
 
 EXTENT = 10.0
+DENSITY = train_settings().density
 THRESHOLD = 1e-3
 
 
@@ -33,9 +36,9 @@ def model(settings) -> SceneModel:
 
 
 @pytest.fixture
-def optimizer(model) -> torch.optim.Adam:
+def optimizer(model, settings) -> torch.optim.Adam:
     """Adam after one step in which every row got its own gradient."""
-    adam = make_optimizer(model)
+    adam = make_optimizer(model, settings)
     for rows in (model.foreground, model.sky.rows):
         for value in rows.values.values():
             per_row = torch.arange(1.0, len(rows) + 1)
@@ -44,14 +47,14 @@ def optimizer(model) -> torch.optim.Adam:
     return adam
 
 
-def grow(model, optimizer, gradients, **changes):
+def grow(model, optimizer, gradients, density=DENSITY, **changes):
     arguments = {
         "threshold": THRESHOLD,
         "extent": EXTENT,
         "prune_huge": False,
         "generator": torch.Generator().manual_seed(1),
     }
-    densify(model, optimizer, gradients, **(arguments | changes))
+    densify(model, optimizer, gradients, density, **(arguments | changes))
 
 
 def set_scales(rows, scale):
@@ -142,21 +145,20 @@ def test_transparent_and_huge_gaussians_go(model, optimizer):
 @pytest.mark.parametrize(("share", "expected"), [(1.0, 60), (0.4, 40), (0.2, 30)])
 def test_the_sky_grows_to_its_share_alone(model, optimizer, share, expected):
     """Of 100 Gaussians; the foreground, untouched here, is not counted."""
-    density = model.settings.density.model_copy(
+    density = DENSITY.model_copy(
         update={"max_gaussians": 100, "sky_share": share, "min_opacity": 1e-6}
     )
-    model.settings = model.settings.model_copy(update={"density": density})
-    grow(model, optimizer, torch.cat([torch.zeros(20), torch.full((30,), 2 * THRESHOLD)]))
+    grown = torch.cat([torch.zeros(20), torch.full((30,), 2 * THRESHOLD)])
+    grow(model, optimizer, grown, density)
     assert (len(model.foreground), len(model.sky.rows)) == (20, expected)
 
 
 def test_budget_takes_the_strongest(model, optimizer):
     set_scales(model.foreground, 0.01)
-    capped = model.settings.density.model_copy(update={"max_gaussians": 52})
-    model.settings = model.settings.model_copy(update={"density": capped})
+    capped = DENSITY.model_copy(update={"max_gaussians": 52})
     gradients = torch.cat([torch.linspace(1, 2, 20), torch.zeros(30)])
     last = model.foreground["means"].detach()[[18, 19]].clone()
-    grow(model, optimizer, gradients)
+    grow(model, optimizer, gradients, capped)
     assert model.num_gaussians == 52
     added = model.foreground["means"].detach()[20:]
     torch.testing.assert_close(added.sort(0).values, last.sort(0).values, rtol=0, atol=0)
@@ -177,7 +179,7 @@ def test_opacity_reset(model, optimizer):
     with torch.no_grad():
         model.foreground["opacity_logits"].fill_(2.0)
         model.foreground["opacity_logits"][0] = -6.0
-    reset_opacity(model, optimizer)
+    reset_opacity(model, optimizer, 0.01)
     opacity = model.foreground["opacity_logits"].detach().sigmoid()
     torch.testing.assert_close(opacity[1:], torch.full((19,), 0.01), rtol=1e-5, atol=0)
     assert float(opacity[0]) < 0.01

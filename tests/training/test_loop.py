@@ -8,11 +8,13 @@ from support.settings import train_settings
 
 from r3gw.files import InputError
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import initial_model, save_model
-from r3gw.model.settings import TrainSettings
+from r3gw.model.model_file import save_model
+from r3gw.training.checkpoint import Checkpoints
 from r3gw.training.loop import train
 from r3gw.training.photos import Photo, camera_extent
-from r3gw.training.state import Checkpoints, first_state
+from r3gw.training.settings import TrainSettings
+from r3gw.training.start import initial_model
+from r3gw.training.state import first_state
 
 
 @pytest.fixture
@@ -36,7 +38,7 @@ def initial() -> InitialPoints:
 
 
 def run(settings, photos, initial):
-    return train(initial_model(initial, ("a", "b"), settings), photos)
+    return train(initial_model(initial, ("a", "b"), settings), photos, settings)
 
 
 def test_learns_the_photos(settings, photos, initial, tmp_path):
@@ -51,9 +53,9 @@ def test_learns_the_photos(settings, photos, initial, tmp_path):
 
 def test_same_seed_gives_the_same_bytes(settings, photos, initial, tmp_path):
     for name in ("first", "second"):
-        save_model(run(settings, photos, initial)[0], tmp_path / name / "model.pt")
-    first = (tmp_path / "first/model.pt").read_bytes()
-    assert first == (tmp_path / "second/model.pt").read_bytes()
+        save_model(run(settings, photos, initial)[0], tmp_path / name / "model.safetensors")
+    first = (tmp_path / "first/model.safetensors").read_bytes()
+    assert first == (tmp_path / "second/model.safetensors").read_bytes()
 
 
 def test_interrupted_run_continues_to_the_same_bytes(settings, photos, initial, tmp_path):
@@ -72,17 +74,17 @@ def test_interrupted_run_continues_to_the_same_bytes(settings, photos, initial, 
         update={"model": settings.model.model_copy(update={"dropout": 0.2})}
     )
     whole, _ = run(settings, photos, initial)
-    save_model(whole, tmp_path / "whole/model.pt")
+    save_model(whole, tmp_path / "whole/model.safetensors")
     first = initial_model(initial, ("a", "b"), settings)
     with pytest.raises(Interrupted):
-        train(first, photos, BreaksAt50(tmp_path, first, interval_s=0.0))
+        train(first, photos, settings, BreaksAt50(tmp_path, "digest", interval_s=0.0))
     second = initial_model(initial, ("a", "b"), settings)
-    checkpoints = Checkpoints(tmp_path, second)
-    assert checkpoints.restore(first_state(second)).iteration == 50
-    continued, history = train(second, photos, checkpoints)
-    save_model(continued, tmp_path / "continued/model.pt")
-    assert (tmp_path / "whole/model.pt").read_bytes() == (
-        tmp_path / "continued/model.pt"
+    checkpoints = Checkpoints(tmp_path, "digest")
+    assert checkpoints.restore(first_state(second, settings)).iteration == 50
+    continued, history = train(second, photos, settings, checkpoints)
+    save_model(continued, tmp_path / "continued/model.safetensors")
+    assert (tmp_path / "whole/model.safetensors").read_bytes() == (
+        tmp_path / "continued/model.safetensors"
     ).read_bytes()
     assert [row["iteration"] for row in history.rows] == list(range(1, 81))
     checkpoints.discard()
@@ -101,7 +103,7 @@ def test_warm_up_moves_only_what_the_separation_loss_touches(settings, photos, i
     short = settings.model_copy(update={"iterations": 10, "warm_up": 40000})
     model = initial_model(initial, ("a", "b"), short)
     before = {k: v.clone() for k, v in model.appearance.state_dict().items()}
-    trained, _ = train(model, photos)
+    trained, _ = train(model, photos, short)
     for name, value in trained.appearance.state_dict().items():
         torch.testing.assert_close(value, before[name], rtol=0, atol=0)
 
@@ -111,7 +113,7 @@ def test_divergence_is_one_sentence(settings, photos, initial):
     with torch.no_grad():
         model.appearance.embedding[:] = 1e30
     with pytest.raises((InputError, ValueError), match=r"finite|NaN"):
-        train(model, photos)
+        train(model, photos, settings)
 
 
 def test_extent_is_the_largest_distance_from_the_mean(photos):

@@ -8,14 +8,15 @@ from support.settings import train_settings
 
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import initial_model
-from r3gw.model.outdoor import OpenSky
-from r3gw.model.settings import TrainSettings
+from r3gw.model.light_models.base import OpenSky
 from r3gw.model.sky import SkyDome, sample_dome
-from r3gw.training.objective import objective, open_sky_loss
+from r3gw.training.lights.outdoor import open_sky_loss
+from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step, make_optimizer
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
+from r3gw.training.settings import TrainSettings
+from r3gw.training.start import initial_model
 from r3gw.training.visible_sky import visible_sky
 
 WIDTH, HEIGHT = 32, 24
@@ -56,13 +57,13 @@ def test_one_step_moves_sun_and_sky_at_their_rates(settings, photo):
         points + torch.tensor([-3.0, -0.5, 4.0]), dome, sample_dome(dome, 80, generator)
     )
     model = initial_model(initial, ("a",), settings)
-    outdoor = model.appearance.outdoor
+    outdoor = model.appearance.light_model
     before = {name: value.clone() for name, value in outdoor.state_dict().items()}
     bias = model.appearance.light_head[-1].bias
     bias_before = bias.detach().clone()
-    optimizer = make_optimizer(model)
+    optimizer = make_optimizer(model, settings)
     schedule = Schedule.of(settings)
-    _, loss, parts = objective(model, photo, 0, schedule.iterations, schedule, generator)
+    _, loss, parts = objective(model, settings, photo, 0, schedule.iterations, schedule, generator)
     loss.backward()
     adam_step(optimizer)
     assert parts["light"] > 0

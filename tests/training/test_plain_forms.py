@@ -1,8 +1,9 @@
 """Training without a single kernel ends where training with all of them does.
 
 Every fused operator is replaced by its plain form in torch: splats, appearance, losses, density
-statistics, Adam and the rasterizer. The two runs differ by the rounding of float32 alone. Adam would
-make whole steps of it where a gradient is zero but for rounding, so its epsilon is raised above that.
+statistics, Adam and the rasterizer. The two runs differ by the rounding of float32 alone. Adam
+would make whole steps of it where a gradient is zero but for rounding, so its epsilon is raised
+above that.
 """
 
 import pandas as pd
@@ -11,11 +12,11 @@ import torch
 from support.flat_world import NAMES, flat_photos, flat_points
 from support.settings import train_settings
 
-from r3gw.model.model import initial_model
 from r3gw.native import kernels, ops
 from r3gw.rendering.compose import render
 from r3gw.training import optimizer
 from r3gw.training.loop import train
+from r3gw.training.start import initial_model
 
 ITERATIONS = 40
 REPLACED = (
@@ -41,7 +42,7 @@ def trained(losses="fused", **changes):
     light = start.appearance.light_head[-1].bias  # negative in places
     for learned in (start.foreground["log_scales"], start.sky.rows["log_scales"], light):
         learned.data += 0.4 * torch.randn(learned.shape, generator=generator)
-    model, history = train(start, flat_photos())
+    model, history = train(start, flat_photos(), settings)
     return model, pd.DataFrame(history.rows).fillna(0.0)
 
 

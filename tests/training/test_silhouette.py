@@ -1,4 +1,4 @@
-"""The silhouette in place of Eq. 15: what training minimises, against opacity drawn as a colour."""
+"""The silhouette in place of Eq. 15: the kernel's loss and gradients against the plain one."""
 
 import pytest
 import torch
@@ -6,7 +6,7 @@ from support.settings import train_settings
 
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
-from r3gw.model.model import SceneModel, initial_model
+from r3gw.model.model import SceneModel
 from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.rendering.compose import draw
 from r3gw.rendering.splats import splats_of
@@ -14,24 +14,27 @@ from r3gw.training.losses.separation import silhouette_loss
 from r3gw.training.objective import objective
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
+from r3gw.training.start import initial_model
 
 WIDTH, HEIGHT = 40, 30
 WEIGHT, SOLID = 0.7, 0.3
 
 
+SETTINGS = train_settings(
+    silhouette={"enabled": True, "solid": SOLID},
+    weights={"separation": WEIGHT},
+    init={"opacity": 0.4},
+)
+
+
 @pytest.fixture
 def model() -> SceneModel:
     """Half-transparent foreground before a dome, a silhouette instead of Eq. 15."""
-    settings = train_settings(
-        silhouette={"enabled": True, "solid": SOLID},
-        weights={"separation": WEIGHT},
-        init={"opacity": 0.4},
-    )
     generator = torch.Generator().manual_seed(0)
     points = torch.randn(80, 3, generator=generator) + torch.tensor([0.0, 0.0, 4.0])
     dome = SkyDome(torch.tensor([0.0, 0.0, 4.0]), 9.0, (-1.5, 1.5))
     initial = InitialPoints(points, dome, sample_dome(dome, 60, generator))
-    made = initial_model(initial, ("a",), settings)
+    made = initial_model(initial, ("a",), SETTINGS)
     scales = made.foreground["log_scales"].data  # balls at first, which turning does not change
     scales += 0.5 * torch.randn(scales.shape, generator=generator)
     return made
@@ -52,9 +55,10 @@ def photo() -> Photo:
 
 def separation(model: SceneModel, photo: Photo) -> tuple[torch.Tensor, float]:
     """The objective of the first iteration, in which nothing but the separation acts."""
-    schedule = Schedule.of(model.settings)
+    schedule = Schedule.of(SETTINGS)
     assert schedule.warm_up >= 1
-    _, loss, parts = objective(model, photo, 0, 1, schedule, torch.Generator().manual_seed(0))
+    generator = torch.Generator().manual_seed(0)
+    _, loss, parts = objective(model, SETTINGS, photo, 0, 1, schedule, generator)
     return loss, parts["silhouette"]
 
 

@@ -14,7 +14,7 @@ def test_doctor_looked_before_the_training(finished):
     scene = finished / "results/tiny"
     run = scene / "full/seed0"
     made = [scene / "checked_source.json", scene / "scene/scene.json", scene / "checked.json"]
-    made += [run / "checked.json", run / "model.pt"]
+    made += [run / "checked.json", run / "model.safetensors"]
     times = [path.stat().st_mtime_ns for path in made]
     assert times == sorted(times)
 
@@ -42,7 +42,7 @@ def test_broken_source_of_one_scene_starts_no_other(untouched):
 def test_training_that_does_not_fit_stops_at_the_doctor(finished):
     density = {"density": {"max_gaussians": 10**11}}
     too_much = CONFIG | {"train": CONFIG["train"] | density}
-    done = snakemake(finished, "results/tiny/no_specular/seed0/model.pt", config=too_much)
+    done = snakemake(finished, "results/tiny/no_specular/seed0/model.safetensors", config=too_much)
     assert done.returncode != 0
     assert "tiny/no_specular/seed0: a training will need about 70000.4 GB" in done.stderr
     assert "lower 'max_image_px' or 'density.max_gaussians'" in done.stderr

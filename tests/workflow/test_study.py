@@ -19,7 +19,7 @@ STUDY = CONFIG | {
 
 
 def test_a_study_compares_its_changes_with_runs_that_are_there(finished):
-    trained = finished / "results/tiny/full/seed0/model.pt"
+    trained = finished / "results/tiny/full/seed0/model.safetensors"
     before = trained.stat().st_mtime_ns
     done = snakemake(finished, "study", config=STUDY)
     assert done.returncode == 0, done.stderr

@@ -5,7 +5,7 @@ rule evaluate:
     input:
         scene="results/{scene}/scene/scene.json",
         masks="results/{scene}/masks/masks.json",
-        model="results/{scene}/{variant}/seed{seed}/model.pt",
+        model="results/{scene}/{variant}/seed{seed}/model.safetensors",
         record="results/{scene}/{variant}/seed{seed}/run.json",
     output:
         metrics="results/{scene}/{variant}/seed{seed}/metrics/metrics.json",

@@ -1,4 +1,4 @@
-"""Generate a benchmark scene: sessions, cameras, photos, ground truth, layout A on disk."""
+"""Generate a benchmark scene: sessions, cameras, photos and ground truth, as NeRF-OSR has them."""
 
 import shutil
 from collections.abc import Sequence
@@ -40,7 +40,7 @@ def generate(
     num_processes: int = 1,
     show_progress: bool = True,
 ) -> None:
-    """Render a scene and write it to ``target`` as layout A plus ground truth.
+    """Render a scene into ``target``: the NeRF-OSR layout (docs/data.md), and ground truth.
 
     The same arguments give the same bytes. ``target`` appears whole at the end, or not at all.
 

@@ -25,7 +25,7 @@ class Work:
 
     Attributes:
         place: Name of the place.
-        seed: Of all random streams.
+        seed: Seed of all random streams.
         samples: Light paths per pixel.
         is_denoised: Whether photos are smoothed.
         root: Folder that files are written to.

@@ -1,4 +1,4 @@
-"""Write a generated scene as layout A with ground truth; every path of the layout is named here."""
+"""Write a generated scene in the NeRF-OSR layout with ground truth; every path is named here."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -150,7 +150,7 @@ def write_test_config(
     Args:
         root: Scene folder.
         shots: All photos; test photos get an entry.
-        panoramas: Of each session.
+        panoramas: The panorama of each session.
         random: Places the true angle inside the sweep, off its middle.
     """
     entries = []

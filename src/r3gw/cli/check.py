@@ -13,7 +13,11 @@ from r3gw.files import write_json
 @cli.command()
 @click.option("--config", type=FILE, required=True, help="Configuration of the run.")
 @click.option(
-    "--results", type=FOLDER, default=Path("results"), show_default=True, help="Of all scenes."
+    "--results",
+    type=FOLDER,
+    default=Path("results"),
+    show_default=True,
+    help="Folder of the results of all scenes.",
 )
 @click.option(
     "--defaults",
@@ -76,15 +80,15 @@ def doctor_scene(scene: str, results: Path, target: Path) -> None:
 
 
 @cli.command("doctor-run")
-@click.option("--name", required=True, help="Of the run, for the sentence: scene/variant/seed.")
+@click.option("--name", required=True, help="The run as messages call it: scene/variant/seed.")
 @click.option("--checked", type=FILE, required=True, help="What doctor-scene wrote of its scene.")
 @click.option("--settings", type=FILE, required=True, help="Resolved settings (JSON).")
 @click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
 def doctor_run(name: str, checked: Path, settings: Path, target: Path) -> None:
     """Refuse a training that this machine cannot hold in memory."""
-    from r3gw.model.settings import load_train_settings
     from r3gw.pipeline.doctor.findings import Findings
     from r3gw.pipeline.doctor.training import describe_training, read_size
+    from r3gw.training.settings import load_train_settings
 
     findings = Findings(name)
     describe_training(read_size(checked), [load_train_settings(settings)], findings)
@@ -107,6 +111,6 @@ def _stop_at(problems: Sequence[str]) -> None:
 @click.option("--target", type=FOLDER, required=True, help="Folder of the figures.")
 def sheet(name: str, scene: Path, masks: Path, target: Path) -> None:
     """Draw all photos of a scene with their masks tinted, as NAME_masks.png."""
-    from r3gw.reporting.figures.masks import mask_sheet
+    from r3gw.reporting.figures.mask_sheet import mask_sheet
 
     mask_sheet(name, scene, masks, target)

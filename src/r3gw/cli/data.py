@@ -13,7 +13,9 @@ SOURCE = click.Path(path_type=Path)
 @cli.command()
 @click.option("--settings", required=True, help="What to render, as JSON (config/README.md).")
 @click.option("--target", type=FOLDER, required=True, help="Folder to write.")
-@click.option("--processes", type=click.IntRange(min=1), default=1, help="That render at once.")
+@click.option(
+    "--processes", type=click.IntRange(min=1), default=1, help="How many processes render at once."
+)
 def generate(settings: str, target: Path, processes: int) -> None:
     """Render a scene of the embedded benchmark: photos, masks, SfM model, ground truth."""
     from r3gw.benchmark.generate import generate as run

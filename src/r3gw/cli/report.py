@@ -14,18 +14,12 @@ from r3gw.cli.group import FILE, FOLDER, cli
 @click.argument("metrics", nargs=-1, required=True, type=FILE)
 def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path, ...]) -> None:
     """Make tables from the metrics.json files of any number of runs."""
-    from r3gw.reporting.tables import listings
-    from r3gw.reporting.tables import table1 as make
+    from r3gw.reporting.tables.stage import write_ablation_tables, write_main_tables
 
     if kind == "table1":
-        listings.images_table(metrics, target / "images.csv")
-        listings.runs_table(metrics, target / "runs.csv")
-        listings.decomposition(metrics, target / "decomposition.csv")
-        listings.cost(metrics, target / "cost.csv")
-        make.table1(metrics, published, target / "table1.csv")
+        write_main_tables(metrics, published, target)
     else:
-        listings.runs_table(metrics, target / "ablation_runs.csv")
-        make.ablations(metrics, target / "ablations.csv")
+        write_ablation_tables(metrics, target)
 
 
 @cli.command()
@@ -39,12 +33,9 @@ def study(baseline: str, target: Path, runs: Path, figure: Path, metrics: tuple[
 
     METRICS are the metrics.json files of all their runs, each in its run's folder.
     """
-    from r3gw.reporting.figures.study_plot import study_figure
-    from r3gw.reporting.tables.listings import runs_table
-    from r3gw.reporting.tables.study import study_table
+    from r3gw.reporting.figures.stage import write_study
 
-    runs_table(metrics, runs)
-    study_figure(study_table(metrics, baseline, target), baseline, figure)
+    write_study(metrics, baseline, target, runs, figure)
 
 
 @cli.command()

@@ -26,7 +26,7 @@ def train(
     target: Path,
     threads: int,
 ) -> None:
-    """Train one variant on one scene; writes model.pt, history.csv and run.json."""
+    """Train one variant on one scene; writes model.safetensors, history.csv and run.json."""
     from r3gw.training.run import run_training
 
     run_training(
@@ -37,7 +37,7 @@ def train(
 @cli.command()
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
-@click.option("--model", type=FILE, required=True, help="model.pt of the run.")
+@click.option("--model", type=FILE, required=True, help="model.safetensors of the run.")
 @click.option("--target", type=FOLDER, required=True, help="Folder of the evaluation.")
 @THREADS
 def evaluate(scene: Path, masks: Path, model: Path, target: Path, threads: int) -> None:

@@ -11,7 +11,11 @@ from r3gw.relight.sweep import Sweep
 
 SCENE, CAMERA, OUTPUT = "Scene", "Camera", "Output"
 MODEL = option(
-    SCENE, "--model", type=FILE, required=True, help="model.pt of a run, or relightable.ply."
+    SCENE,
+    "--model",
+    type=FILE,
+    required=True,
+    help="A run's model.safetensors, or relightable.ply.",
 )
 SCENE_FOLDER = option(
     SCENE, "--scene", type=FOLDER, required=True, help="Folder of the imported scene."

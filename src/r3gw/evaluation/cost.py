@@ -1,17 +1,16 @@
 """What showing a scene costs, measured: renders per second and peak memory."""
 
-import resource
 from time import perf_counter
 
-from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.trained_scene import TrainedScene
+from r3gw.files.provenance import peak_rss_mb
 from r3gw.model.lights import photo_light
 
 NUM_WARM_UP = 3
 NUM_TIMED = 30
-KIB_PER_MB = 1e6 / 1024
 
 
-def measured_cost(bench: Bench, num_threads: int) -> dict[str, float | int]:
+def measured_cost(trained: TrainedScene, num_threads: int) -> dict[str, float | int]:
     """Time renders of the training views under their learned lights and skies.
 
     Returns:
@@ -19,18 +18,18 @@ def measured_cost(bench: Bench, num_threads: int) -> dict[str, float | int]:
         the mean ``render_megapixels`` of one, ``render_threads``, and ``peak_rss_mb`` of the
         process so far.
     """
-    views = bench.scene.split("train")
-    lights = [photo_light(bench.model, view.name) for view in views]
+    views = trained.scene.split("train")
+    lights = [photo_light(trained.model, view.name) for view in views]
     turns = [i % len(views) for i in range(NUM_WARM_UP + NUM_TIMED)]
     start = perf_counter()
     for number, i in enumerate(turns):
         if number == NUM_WARM_UP:
             start = perf_counter()
-        bench.render(views[i], lights[i])
+        trained.render(views[i], lights[i])
     seconds = perf_counter() - start
     return {
         "renders_per_second": NUM_TIMED / seconds,
         "render_megapixels": sum(view.width * view.height for view in views) / len(views) / 1e6,
         "render_threads": num_threads,
-        "peak_rss_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / KIB_PER_MB,
+        "peak_rss_mb": peak_rss_mb(),
     }

@@ -7,7 +7,6 @@ views under lights that were learned for photos, with those photos' skies. relit
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 import torch
@@ -15,7 +14,7 @@ from jaxtyping import Float
 from numpy.typing import NDArray
 from torch import Tensor
 
-from r3gw.evaluation.bench import Bench
+from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.files import write_json
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_image
@@ -28,6 +27,7 @@ from r3gw.relight.gaussians import Relightable, relightable_of
 from r3gw.relight.picture import frame
 from r3gw.relight.tone import standard
 from r3gw.scene import View
+from r3gw.scene.selection import evenly
 
 NUM_YAWS = 24
 NUM_VIEWS = 2
@@ -35,21 +35,14 @@ NUM_LIGHTS = 6
 THUMBNAIL_PX = 64
 BRIGHTEST_QUANTILE = 0.98
 
-Item = TypeVar("Item")
 Source = tuple[str, Light, Float[Tensor, "h w 3"]]
 
 
-def evenly(items: Sequence[Item], count: int) -> list[Item]:
-    """At most ``count`` of the items, evenly spread."""
-    chosen = np.linspace(0, len(items) - 1, min(count, len(items))).round().astype(int)
-    return [items[i] for i in np.unique(chosen)]
-
-
-def write_gallery(bench: Bench, folder: Path) -> None:
+def write_gallery(trained: TrainedScene, folder: Path) -> None:
     """Render two views under a turning map and under learned lights; relit.json is last."""
-    views = evenly(bench.scene.split("test") or bench.scene.split("train"), NUM_VIEWS)
-    gaussians = relightable_of(bench.model)
-    name, light, env_map = _map_source(bench)
+    views = evenly(trained.scene.split("test") or trained.scene.split("train"), NUM_VIEWS)
+    gaussians = relightable_of(trained.model)
+    name, light, env_map = _map_source(trained)
     yaws_deg = [round(360 * i / NUM_YAWS) for i in range(NUM_YAWS)]
     for yaw_deg in yaws_deg:
         shift = round(env_map.shape[1] * yaw_deg / 360)
@@ -58,7 +51,7 @@ def write_gallery(bench: Bench, folder: Path) -> None:
         for view in views:
             path = folder / "map" / f"{view.name}_{yaw_deg:03d}.png"
             write_image(path, relit_picture(gaussians, view, light.turned(float(yaw_deg))))
-    photos = _photos_of_sessions(bench.scene.split("train"))
+    photos = _photos_of_sessions(trained.scene.split("train"))
     for number, photo in enumerate(photos):
         learned = gaussians.light_of(photo)
         drawn = light_picture(envmap.draw(learned.sh, THUMBNAIL_PX))
@@ -93,12 +86,12 @@ def _photos_of_sessions(views: Sequence[View]) -> list[str]:
     return evenly(sorted(first.values()), NUM_LIGHTS)
 
 
-def _map_source(bench: Bench) -> Source:
+def _map_source(trained: TrainedScene) -> Source:
     """The most directional of the maps that come with the scene; else of the learned lights."""
-    test = bench.scene.split("test")
-    sources = [_map_of(bench, view) for view in test if view.truth or view.evaluation]
+    test = trained.scene.split("test")
+    sources = [_map_of(trained, view) for view in test if view.truth or view.evaluation]
     if not sources:
-        for photo, light in learned_lights(bench.model).items():
+        for photo, light in learned_lights(trained.model).items():
             drawn = envmap.draw(light.sh, THUMBNAIL_PX)
             sources.append((f"light learned for {photo}", Light(light.sh), drawn))
     return max(sources, key=lambda source: _directionality(source[1].sh))
@@ -109,18 +102,18 @@ def _directionality(light: Float[Tensor, "coeff 3"]) -> float:
     return float(light[1:4].norm() / light[0].norm())
 
 
-def _map_of(bench: Bench, view: View) -> Source:
+def _map_of(trained: TrainedScene, view: View) -> Source:
     """A test view's true HDR map in the photo's units, or its LDR map; the sky stays white.
 
     An LDR map knows no units, so it is brought to the mean strength of the learned lights.
     """
     if view.truth is not None:
-        path = bench.scene_folder / view.truth.env_map
+        path = trained.scene_folder / view.truth.env_map
         name = f"true map of {view.session or view.name}"
-        return name, Light(bench.true_light(view.truth)), envmap.read_env_map(path)
+        return name, Light(trained.true_light(view.truth)), envmap.read_env_map(path)
     assert view.evaluation is not None  # the caller's choice
-    path = bench.scene_folder / view.evaluation.env_map
+    path = trained.scene_folder / view.evaluation.env_map
     env_map = linear_env_map(path)
-    light = Light(light_of_map(env_map, bench.light_degree))
-    exposure = light.factor_to(learned_strength(bench.model))
+    light = Light(light_of_map(env_map, trained.light_degree))
+    exposure = light.factor_to(learned_strength(trained.model))
     return f"map of {view.session or view.name}", light.times(exposure), env_map

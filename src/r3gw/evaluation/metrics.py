@@ -1,10 +1,10 @@
-"""Image metrics over a mask (evaluation protocol 2): MSE, MAE, PSNR and SSIM.
+"""Image metrics over a mask: MSE, MAE, PSNR and SSIM.
 
 All of them average over the masked pixels alone. Multiplying by the mask and averaging over the
 frame would raise the PSNR by 3 dB at half coverage.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import log10
 
 import numpy as np
@@ -27,6 +27,9 @@ class Scores:
     ssim: float
     mse: float
     mae: float
+
+
+METRICS = tuple(field.name for field in fields(Scores))
 
 
 def psnr_of_mse(mse: float) -> float:

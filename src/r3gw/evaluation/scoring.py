@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from tqdm import tqdm
 
-from r3gw.evaluation.metrics import Scores, evaluation_mask, psnr_of_mse, score
+from r3gw.evaluation.metrics import METRICS, Scores, evaluation_mask, psnr_of_mse, score
 from r3gw.files import InputError
 from r3gw.imaging.files import LDR_SUFFIXES, read_rgb
 from r3gw.imaging.masks import read_mask
@@ -76,8 +76,7 @@ def pictures_by_stem(folder: Path) -> dict[str, Path]:
 
 def mean_scores(each: list[Scores]) -> Scores:
     """Mean of every metric over pictures."""
-    names = ("psnr", "ssim", "mse", "mae")
-    return Scores(**{name: fmean(getattr(scores, name) for scores in each) for name in names})
+    return Scores(**{name: fmean(getattr(scores, name) for scores in each) for name in METRICS})
 
 
 def pooled_scores(scored: list[Scored]) -> Scores:

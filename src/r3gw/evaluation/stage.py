@@ -15,21 +15,22 @@ import numpy as np
 import torch
 from tqdm import tqdm
 
-from r3gw.evaluation.bench import Bench
 from r3gw.evaluation.cost import measured_cost
 from r3gw.evaluation.decomposition import light_records, sky_records, surface_records
-from r3gw.evaluation.gallery import evenly, write_gallery
-from r3gw.evaluation.protocols import PROTOCOLS
+from r3gw.evaluation.gallery import write_gallery
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.evaluation.protocols.registry import PROTOCOLS
+from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.files import InputError, write_json
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_picture
 from r3gw.model.lights import learned_lights
-from r3gw.model.model import load_model
+from r3gw.model.model_file import load_model
 from r3gw.relight.files.lights_file import write_lights
 from r3gw.rendering.surfaces import apart, surfaces_of
 from r3gw.scene import View, load_scene
+from r3gw.scene.selection import evenly
 
 NUM_LEARNED_PICTURES = 4
 VISIBLE_ALPHA = 0.5
@@ -43,11 +44,11 @@ def evaluate_run(
     Args:
         scene_folder: Imported scene.
         masks_folder: Its masks.
-        model_path: model.pt, with the training's run.json beside it.
+        model_path: model.safetensors, with the training's run.json beside it.
         target: Folder for metrics.json, lights.json, cost.json, images/<protocol>/<view>.json,
             renders/ and relit/ (`write_gallery`). renders/ holds, of all test views and of four
-            training views, ``<kind>/<view>.png`` where a kind is a protocol or one of truth,
-            albedo, normal, depth, sky, foreground; depth also as ``.exr``.
+            training views, ``<kind>/<view>.png`` where a kind is a protocol or one of albedo,
+            normal, depth, sky, foreground; depth also as ``.exr``.
         num_threads: CPU threads of torch and the rasterizer.
 
     Raises:
@@ -56,18 +57,18 @@ def evaluate_run(
     torch.set_num_threads(num_threads)
     run = _read_run(model_path.with_name("run.json"))
     scene = load_scene(scene_folder)
-    bench = Bench(load_model(model_path), scene, scene_folder, masks_folder)
+    trained = TrainedScene(load_model(model_path), scene, scene_folder, masks_folder)
     (target / "metrics.json").unlink(missing_ok=True)
     for name in ("renders", "images", "relit"):
         shutil.rmtree(target / name, ignore_errors=True)
-    images = _protocol_records(bench, target / "renders", str(run["scene"]))
+    images = _protocol_records(trained, target / "renders", str(run["scene"]))
     for record in images:
         path = target / "images" / record["protocol"] / f"{record['view']}.json"
         write_json(path, {**record, "run": run})
-    write_gallery(bench, target / "relit")
-    write_lights(learned_lights(bench.model), "scene", target)
-    write_json(target / "cost.json", measured_cost(bench, num_threads))
-    decomposition = surface_records(bench) + light_records(bench) + sky_records(bench)
+    write_gallery(trained, target / "relit")
+    write_lights(learned_lights(trained.model), "scene", target)
+    write_json(target / "cost.json", measured_cost(trained, num_threads))
+    decomposition = surface_records(trained) + light_records(trained) + sky_records(trained)
     write_json(
         target / "metrics.json", {"run": run, "images": images, "decomposition": decomposition}
     )
@@ -80,22 +81,22 @@ def _read_run(path: Path) -> dict[str, Any]:
     return run
 
 
-def _protocol_records(bench: Bench, folder: Path, scene: str) -> list[dict[str, Any]]:
+def _protocol_records(trained: TrainedScene, folder: Path, scene: str) -> list[dict[str, Any]]:
     """Score every view under every protocol that covers it, and write pictures on the way."""
-    pictured = {view.name for view in evenly(bench.scene.split("train"), NUM_LEARNED_PICTURES)}
+    pictured = {view.name for view in evenly(trained.scene.split("train"), NUM_LEARNED_PICTURES)}
     records = []
-    for view in tqdm(bench.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
+    for view in tqdm(trained.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
         outcome = None
         for protocol in PROTOCOLS:
             if not protocol.covers(view):
                 continue
-            outcome = protocol.evaluate(bench, view)
+            outcome = protocol.evaluate(trained, view)
             records.append(_record(protocol, view, scene, outcome))
             if view.split == "test" or view.name in pictured:
                 path = folder / protocol.name / f"{view.name}.png"
                 write_image(path, bytes_from_display(outcome.picture))
         if outcome is not None and (view.split == "test" or view.name in pictured):
-            _write_parts(bench, view, outcome, folder)
+            _write_parts(trained, view, outcome, folder)
     return records
 
 
@@ -111,16 +112,15 @@ def _record(protocol: ViewProtocol, view: View, scene: str, outcome: Outcome) ->
     }
 
 
-def _write_parts(bench: Bench, view: View, outcome: Outcome, folder: Path) -> None:
-    """The photo, and what the picture of ``outcome`` is made of."""
-    surfaces = surfaces_of(bench.model, view.camera)
+def _write_parts(trained: TrainedScene, view: View, outcome: Outcome, folder: Path) -> None:
+    """What the picture of ``outcome`` is made of."""
+    surfaces = surfaces_of(trained.model, view.camera)
     is_surface = surfaces.foreground_alpha >= VISIBLE_ALPHA
     depth = np.where(is_surface, surfaces.depth, 0.0).astype(np.float32)
     albedo = np.where(is_surface[..., None], display_array_from_linear(surfaces.albedo), 1.0)
     light = outcome.light
-    foreground, sky = apart(bench.model, view.camera, light.sh, light.sky_coefficients)
+    foreground, sky = apart(trained.model, view.camera, light.sh, light.sky_coefficients)
     parts = {
-        "truth": bytes_from_display(bench.photo(view)),
         "albedo": bytes_from_display(albedo),
         "normal": normal_picture(np.where(is_surface[..., None], surfaces.normal, 0.0)),
         "depth": depth_picture(depth),

@@ -92,6 +92,24 @@ def read_picture(path: Path) -> Picture:
         raise InputError(f"{path}: {_BROKEN}: {reason[:120]}") from error
 
 
+def read_opaque(path: Path) -> NDArray[np.bool_] | None:
+    """Where a picture is opaque, ``[H, W]`` as stored; None if it is everywhere.
+
+    A file without an alpha channel is not decoded.
+
+    Raises:
+        InputError: As `read_picture`.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path, formats=_FORMATS) as image:
+                has_alpha = bool(image.has_transparency_data)
+    except Exception:  # read_picture finds the words for it
+        has_alpha = True
+    return read_picture(path).is_opaque if has_alpha else None
+
+
 def eight_bits(values: Pixels) -> NDArray[np.uint8]:
     """Values in 8 bits; 65535 becomes 255, and floats must lie in 0 to 1."""
     if values.dtype == np.uint8:

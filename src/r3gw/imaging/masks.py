@@ -48,9 +48,18 @@ def read_mask(path: Path, width: int | None = None, height: int | None = None) -
     Raises:
         InputError: If the file is unreadable or of another size than its photo.
     """
-    mask = read_mask_levels(path).is_white
-    if width is not None and height is not None and mask.shape != (height, width):
-        found = f"{mask.shape[1]}x{mask.shape[0]}"
+    return read_mask_levels(path, width, height).is_white
+
+
+def read_mask_levels(path: Path, width: int | None = None, height: int | None = None) -> MaskLevels:
+    """As `read_mask`, together with the range of the file's values.
+
+    Raises:
+        InputError: As `read_mask`.
+    """
+    mask = _levels_of(read_picture(path))
+    if width is not None and height is not None and mask.is_white.shape != (height, width):
+        found = f"{mask.is_white.shape[1]}x{mask.is_white.shape[0]}"
         raise InputError(
             f"{path}: the mask is {found} px but its photo is {width}x{height} px; "
             "make the mask again at the photo's size"
@@ -58,13 +67,7 @@ def read_mask(path: Path, width: int | None = None, height: int | None = None) -
     return mask
 
 
-def read_mask_levels(path: Path) -> MaskLevels:
-    """Read a mask of any size together with the range of its values.
-
-    Raises:
-        InputError: If the file is unreadable.
-    """
-    picture = read_picture(path)
+def _levels_of(picture: Picture) -> MaskLevels:
     if picture.alpha is None or picture.is_opaque is None:
         return _levels(_grey(picture))
     alpha = _levels(picture.alpha)

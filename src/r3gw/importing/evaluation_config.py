@@ -1,4 +1,4 @@
-"""test_config.py of layout A: how each test view is lit and masked (data.md A, E)."""
+"""test_config.py of a NeRF-OSR scene: how each test view is lit and masked."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
@@ -9,14 +9,14 @@ from pydantic import ValidationError
 from r3gw.files import InputError
 from r3gw.imaging.files import HDR_SUFFIXES, LDR_SUFFIXES, read_linear, read_rgb
 from r3gw.importing.literal_file import read_literals
-from r3gw.importing.named_files import key_of
 from r3gw.scene import EvaluationEntry
+from r3gw.scene.names import key_of, stem_of
 
 _REQUIRED = ("env_map_path", "initial_env_map_rotation", "env_map_scaling", "sun_angles")
 
 
 def read_evaluation(folder: Path) -> dict[str, EvaluationEntry]:
-    """Entries of ``folder/test_config.py`` by the key of their view; {} if there is no such file.
+    """Entries of ``folder/test_config.py`` by the name of their view; {} if there is no such file.
 
     Paths in the entries are resolved by file name inside ``folder``, since those in the file are
     the author's own.
@@ -29,10 +29,12 @@ def read_evaluation(folder: Path) -> dict[str, EvaluationEntry]:
     if not path.exists():
         return {}
     entries: dict[str, EvaluationEntry] = {}
+    seen: set[str] = set()
     for name, values in _views(read_literals(path)):
-        if key_of(name) in entries:
+        if key_of(name) in seen:
             raise InputError(f"{path}: has two entries for '{name}'; keep one")
-        entries[key_of(name)] = _entry(path, name, values)
+        seen.add(key_of(name))
+        entries[name] = _entry(path, name, values)
     if not entries:
         raise InputError(f"{path}: has no entry with an env_map_path; it must have one per view")
     return entries
@@ -57,13 +59,13 @@ def missing_evaluation_files(folder: Path) -> list[str]:
 
 
 def evaluated_views(folder: Path) -> set[str]:
-    """Keys of the views that ``folder/test_config.py`` has an entry for.
+    """Stems, in lower case, of the views that ``folder/test_config.py`` has an entry for.
 
     Raises:
         InputError: If test_config.py is there but holds more than data.
     """
     path = folder / "test_config.py"
-    return {key_of(name) for name, _ in _views(read_literals(path))} if path.exists() else set()
+    return {stem_of(n).lower() for n, _ in _views(read_literals(path))} if path.exists() else set()
 
 
 def _views(values: Mapping[Any, Any]) -> Iterator[tuple[str, Mapping[Any, Any]]]:

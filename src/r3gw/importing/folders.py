@@ -1,14 +1,15 @@
-"""What readers of datasets with known cameras share: sessions, splits and masks beside photos."""
+"""What readers of datasets with known cameras share: photos, sessions, splits and masks."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from r3gw.files import InputError
-from r3gw.importing.named_files import key_of, pictures_by_key
+from r3gw.importing.named_files import listed, pictures_below
 from r3gw.importing.source import MaskKind, SourceMask
 from r3gw.importing.split import Split, find_split_file, read_split
 from r3gw.scene import EvaluationEntry
+from r3gw.scene.names import ByPhoto, key_of, normalised, stem_of
 
 LEAST_TRAINING_VIEWS = 2
 _SESSION = re.compile(r"^(\d\d-\d\d_\d\d_\d\d)_")
@@ -17,37 +18,65 @@ MASK_FOLDERS: Mapping[MaskKind, tuple[str, bool]] = {
     "is_sky": ("sky_masks", False),  # white = NOT sky
 }
 
+Masks = Mapping[MaskKind, ByPhoto[SourceMask]]
 
-def session_of(name: str) -> str | None:
+
+def session_of(path: str) -> str | None:
     """The ``dd-mm_hh_mm`` that NeRF-OSR's file names begin with, or None."""
-    session = _SESSION.match(name)
+    session = _SESSION.match(stem_of(path))
     return session.group(1) if session else None
 
 
-def masks_beside(folder: Path) -> dict[MaskKind, dict[str, SourceMask]]:
-    """Masks in ``masks/`` (white = keep) and ``sky_masks/`` (white = not sky), by kind and key.
+def photos_named(
+    names: Iterable[str], pictures: Mapping[str, Path], source: Path
+) -> dict[str, str]:
+    """The picture that each name of a model or a list means, by its path; none, if it is absent.
+
+    The same path comes first, then one that differs in case or suffix, then what `ByPhoto` finds.
 
     Raises:
-        InputError: If two masks of a kind share a stem.
+        InputError: If a name fits several pictures, or two names mean the same picture.
+    """
+    wanted = list(names)
+    found = {name: normalised(name) for name in wanted if normalised(name) in pictures}
+    left = {name: name for name in wanted if name not in found}
+    others = [path for path in pictures if path not in set(found.values())]
+    matched = ByPhoto(left, others, str(source))
+    for path in others:
+        name = matched.get(path)
+        if name is not None:
+            found[name] = path
+    return found
+
+
+def masks_beside(folder: Path, photos: Collection[str]) -> Masks:
+    """Masks in ``masks/`` (white = keep) and ``sky_masks/`` (white = not sky), by kind.
+
+    Args:
+        folder: Holds both folders, or none.
+        photos: Paths of all photos, among which a mask's owner is found.
+
+    Raises:
+        InputError: If two masks are for the same photo, or one fits several photos.
     """
     return {
-        kind: {key: SourceMask(path, white) for key, path in mask_files(folder / name).items()}
+        kind: ByPhoto(mask_files(folder / name, white), photos, str(folder / name))
         for kind, (name, white) in MASK_FOLDERS.items()
     }
 
 
-def mask_files(folder: Path) -> dict[str, Path]:
-    """Masks by the key of their photo; COLMAP writes ``photo.jpg.png`` for photo.jpg.
-
-    Raises:
-        InputError: If two masks share a stem.
-    """
-    found: dict[str, Path] = {}
-    for key, path in pictures_by_key(folder).items():
-        photo = key_of(key) if key.endswith((".jpg", ".jpeg", ".png")) else key
-        if (other := found.setdefault(photo, path)) != path:
-            raise InputError(f"{path}: is for the same photo as {other.name}; remove one of them")
+def mask_files(folder: Path, white_means: bool = True) -> dict[str, SourceMask]:
+    """Masks by the path of their photo; COLMAP writes ``photo.jpg.png`` for photo.jpg."""
+    found = {}
+    for path, file in pictures_below(folder).items():
+        inner = path.removesuffix(file.suffix)
+        found[inner if key_of(inner) != inner.lower() else path] = SourceMask(file, white_means)
     return found
+
+
+def masks_of(masks: Masks, photo: str) -> dict[MaskKind, SourceMask]:
+    """The masks of one photo, by kind."""
+    return {kind: mask for kind, files in masks.items() if (mask := files.get(photo)) is not None}
 
 
 def evaluation_with_mask(
@@ -59,15 +88,23 @@ def evaluation_with_mask(
     return entry.model_copy(update={"mask": str(mask.path)})
 
 
-def split_beside(folder: Path, names: Iterable[str]) -> dict[str, Split]:
-    """The split of each key by the folder's ``*_split.csv``; without one, all are for training.
+def split_beside(folder: Path, photos: Collection[str]) -> dict[str, Split]:
+    """The split of each photo by the folder's ``*_split.csv``; without one, all are for training.
 
     Raises:
-        InputError: If the list is wrong, or there are several.
+        InputError: If the list is wrong, names no photo of the folder, or there are several lists.
     """
     if not any(path.name.lower().endswith("_split.csv") for path in folder.glob("*")):
-        return dict.fromkeys((key_of(name) for name in names), "train")
-    return {key: line.split for key, line in read_split(find_split_file(folder)).items()}
+        return dict.fromkeys(photos, "train")
+    path = find_split_file(folder)
+    lines = ByPhoto(read_split(path), photos, str(path))
+    found = {photo: line.split for photo in photos if (line := lines.get(photo)) is not None}
+    if not found:
+        raise InputError(
+            f"{path}: names none of the photos here (it names {listed(lines.unused, 2)}); write "
+            "the photos' own names"
+        )
+    return found
 
 
 def require_training_views(splits: Iterable[Split], source: Path) -> None:

@@ -1,4 +1,4 @@
-"""The scene's frame: which way is up, where the origin is, how long a unit is (method.md 1).
+"""The scene's frame: which way is up, where the origin is, how long a unit is.
 
 Up is the direction that makes the photos level: hardly any roll (people hold the horizon
 straight) and moderate pitch, both counted robustly, since a photo may have been taken upright.
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from r3gw.files import InputError
 from r3gw.geometry.cameras import UP
 from r3gw.geometry.similarity import Similarity
-from r3gw.scene import Points
+from r3gw.importing.source import SourcePoints
 
 # Usual sizes. Pitch is only there for photos that all look one way, where roll says nothing of
 # it; tourists tilt their cameras up at a building, so it must not weigh more.
@@ -74,7 +74,7 @@ def roll_deg(cam_from_source: Matrices, up: Vector) -> Vector:
 
 
 def scene_from_source(
-    points: Points, rotation: Matrices | None, extent: float | None
+    points: SourcePoints, rotation: Matrices | None, extent: float | None
 ) -> Similarity:
     """The similarity that turns by ``rotation`` (None: not at all) and scales to ``extent``.
 
@@ -87,7 +87,7 @@ def scene_from_source(
     turn = torch.eye(3, dtype=torch.float64) if rotation is None else torch.from_numpy(rotation)
     if extent is None:
         return Similarity(1.0, turn, torch.zeros(3, dtype=torch.float64))
-    xyz = torch.from_numpy(points.xyz).double()
+    xyz = torch.from_numpy(points.xyz)
     mean = xyz.mean(dim=0)
     distance = float(np.percentile((xyz - mean).norm(dim=1).numpy(), _PERCENTILE))
     if distance <= 0:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, ValidationError
 
 from r3gw.benchmark.settings import BenchmarkSettings
@@ -42,6 +44,11 @@ class _PosedScene(Strict):
     extent: float | None = Field(10.0, gt=0)
     up: Literal["estimated", "given"] = "estimated"
 
+    @property
+    def given_turn(self) -> NDArray[np.float64] | None:
+        """No turn at all if the format's up, -y, is to be trusted; None to estimate it."""
+        return np.eye(3) if self.up == "given" else None
+
 
 class NerfOsrOriginalScene(_PosedScene):
     """A NeRF-OSR scene as its authors published it."""
@@ -68,7 +75,7 @@ class PhotosScene(Strict):
     path: str
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(10.0, gt=0)
-    matching: Literal["exhaustive", "sequential"] | None = None
+    matching: Literal["exhaustive", "sequential", "retrieval", "spatial"] | None = None
     video_frames: int = Field(100, ge=3)
 
 

@@ -9,20 +9,42 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-import pycolmap
+import numpy as np
+from numpy.typing import NDArray
 
 from r3gw.geometry.cameras import Camera
-from r3gw.scene import EvaluationEntry, GroundTruth, Points
+from r3gw.importing.lens import Lens
+from r3gw.scene import EvaluationEntry, GroundTruth
 
 MaskKind = Literal["is_valid", "is_sky", "eval"]
 
 
 @dataclass(frozen=True)
 class SourceMask:
-    """A mask file; ``white_means`` is the value that white stands for."""
+    """A mask file.
+
+    Attributes:
+        path: The picture.
+        white_means: The value that white stands for.
+        levels: What the values of the user's own file were, if ``path`` was made from it.
+    """
 
     path: Path
     white_means: bool = True
+    levels: str | None = None
+
+
+@dataclass(frozen=True)
+class SourcePoints:
+    """Sparse points in the source's frame, which may lie millions of metres from its origin.
+
+    Attributes:
+        xyz: ``[N, 3]``, in double precision until the gauge has centred and scaled them.
+        rgb: ``[N, 3]``, display values.
+    """
+
+    xyz: NDArray[np.float64]
+    rgb: NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -30,17 +52,20 @@ class SourceView:
     """One photo before the import.
 
     Attributes:
-        name: Stem of the photo.
+        path: The photo's path below the folder of photos (r3gw.scene.names); its identity.
         photo: The picture, its pixels in the order in which they are stored.
         camera: Pinhole, in the source's frame, at full size.
-        lens: The photo's distorted camera; the writer undistorts photo and masks from it to
-            ``camera``. None if ``camera`` describes the photo itself.
+        split: Whether the photo is trained on or held out.
+        session: When the photo was taken, for photos that share a light.
         masks: Masks that came with the data, of the photo's size.
         labels: Picture of class colours or ids that came with the data, of the photo's size.
-        evaluation, truth: As in the scene, but with paths of the source.
+        evaluation: How a test view is lit and masked; paths are the source's.
+        truth: Ground truth of the photo, if known; paths are the source's.
+        lens: The photo's distorted camera; the writer undistorts photo and masks from it to
+            ``camera``. None if ``camera`` describes the photo itself.
     """
 
-    name: str
+    path: str
     photo: Path
     camera: Camera
     split: Literal["train", "test"]
@@ -49,12 +74,26 @@ class SourceView:
     labels: Path | None = None
     evaluation: EvaluationEntry | None = None
     truth: GroundTruth | None = None
-    lens: pycolmap.Camera | None = None
+    lens: Lens | None = None
 
 
 @dataclass(frozen=True)
 class SourceScene:
-    """All views and points that a reader found."""
+    """All that a reader found.
+
+    Attributes:
+        views: Photos with their cameras.
+        points: Sparse points, one or more.
+        turn: Rotation ``[3, 3]`` that makes up -y in the source's frame; None leaves it to the
+            photos, from whose tilt up is estimated.
+        left_out: Photos that are there but not in the scene, by path, and why.
+        notes: What else the import decided, in whole sentences.
+        facts: More for sfm_report.json.
+    """
 
     views: tuple[SourceView, ...]
-    points: Points
+    points: SourcePoints
+    turn: NDArray[np.float64] | None = None
+    left_out: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    facts: Mapping[str, object] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""The split list of layout A: ``filename;split`` lines that say train or test for each photo."""
+"""The split list of a scene: ``filename;split`` lines that say train or test for each photo."""
 
 import csv
 from dataclasses import dataclass
@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Literal
 
 from r3gw.files import InputError
-from r3gw.importing.named_files import key_of, listed
+from r3gw.importing.named_files import listed
+from r3gw.scene.names import key_of, normalised
 
 Split = Literal["train", "test"]
 _COLUMNS = ("filename", "split")
@@ -39,7 +40,7 @@ def find_split_file(folder: Path) -> Path:
 
 
 def read_split(path: Path) -> dict[str, SplitLine]:
-    """The line of every photo, by the key of its name (r3gw.importing.named_files.key_of).
+    """The line of every photo, by its normalised name (r3gw.scene.names).
 
     Raises:
         InputError: If the separator, the header, a value or a duplicate name is wrong.
@@ -57,6 +58,7 @@ def read_split(path: Path) -> dict[str, SplitLine]:
         raise InputError(f"{path}: is empty; it must name every photo and its split")
     name_column, split_column = _columns(path, rows[0][1])
     result: dict[str, SplitLine] = {}
+    seen: set[str] = set()
     for number, row in rows[1:]:
         if len(row) <= max(name_column, split_column):
             raise InputError(f"{path}: line {number} has {len(row)} columns, expected 'file;split'")
@@ -67,9 +69,10 @@ def read_split(path: Path) -> dict[str, SplitLine]:
                 "it must be train or test"
             )
         value: Split = "train" if split == "train" else "test"
-        if key_of(name) in result:
+        if key_of(name) in seen:
             raise InputError(f"{path}: line {number} names {name} a second time; keep one line")
-        result[key_of(name)] = SplitLine(name, value)
+        seen.add(key_of(name))
+        result[normalised(name)] = SplitLine(name, value)
     return result
 
 

@@ -7,16 +7,19 @@ from typing import Any
 
 import cv2
 import numpy as np
+import torch
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from r3gw.files import InputError, atomic_path
+from r3gw.files import InputError, atomic_path, write_bytes
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.similarity import Similarity
-from r3gw.imaging.files import read_labels, read_linear, read_rgb_as_stored, write_exr, write_image
-from r3gw.imaging.masks import read_mask, resize_mask
+from r3gw.imaging.decode import read_opaque
+from r3gw.imaging.files import read_labels, read_linear, write_exr, write_image
+from r3gw.imaging.masks import read_mask_levels, resize_mask
 from r3gw.importing.lens import undistorted, undistorted_mask
 from r3gw.importing.source import SourceMask, SourceScene, SourceView
+from r3gw.importing.stored import stored_photo, stored_size
 from r3gw.scene import (
     EvaluationEntry,
     Gauge,
@@ -27,6 +30,7 @@ from r3gw.scene import (
     save_points,
     save_scene,
 )
+from r3gw.scene.names import view_names
 
 _LOG = logging.getLogger(__name__)
 _FOLDERS = ("images", "given", "envmaps", "ground_truth")
@@ -64,8 +68,9 @@ def write_scene(
     Raises:
         InputError: If a photo or mask is unreadable or not of its camera's size.
     """
+    names = view_names([view.path for view in source.views])
     views = [
-        _write_view(view, similarity, target, max_image_px)
+        _write_view(view, names[view.path], similarity, target, max_image_px)
         for view in tqdm(source.views, desc=f"importing {name}", unit="photo", leave=False)
     ]
     save_points(Points(_moved(source.points.xyz, similarity), source.points.rgb), target)
@@ -81,28 +86,29 @@ def write_scene(
     return scene
 
 
-def _moved(xyz: NDArray[np.float32], similarity: Similarity) -> NDArray[np.float32]:
-    scale, turn, shift = similarity.scale, similarity.rotation, similarity.translation
-    moved: NDArray[np.float64] = scale * xyz.astype(np.float64) @ turn.numpy().T + shift.numpy()
-    return moved.astype(np.float32)
+def _moved(xyz: NDArray[np.float64], similarity: Similarity) -> NDArray[np.float32]:
+    """Points in the scene; single precision suffices once they are centred."""
+    return similarity.points(torch.from_numpy(xyz)).numpy().astype(np.float32)
 
 
 def _write_view(
-    source: SourceView, similarity: Similarity, target: Path, max_image_px: int
+    source: SourceView, name: str, similarity: Similarity, target: Path, max_image_px: int
 ) -> View:
     full = source.camera
     factor = min(1.0, max_image_px / full.width)
     width, height = (max(1, round(side * factor)) for side in (full.width, full.height))
     camera = full.scaled(width, height)
     cam_from_world: Any = similarity.camera(full.cam_from_world).tolist()
-    image = f"images/{source.name}.png"
+    image = f"images/{name}.png"
     write_image(target / image, _scaled(_photo(source), camera, cv2.INTER_AREA))
+    _write_opaque(source, camera, target / "given" / "is_opaque" / f"{name}.png")
     for kind, mask in source.masks.items():
-        _write_mask(mask, source, camera, target / "given" / kind / f"{source.name}.png")
+        _write_mask(mask, source, camera, target / "given" / kind / f"{name}.png")
     if source.labels is not None:
-        _write_labels(source.labels, source, camera, target)
+        _write_labels(source.labels, source, camera, target / "given" / "labels" / f"{name}.png")
     return View(
-        name=source.name,
+        name=name,
+        path=source.path,
         image=image,
         width=width,
         height=height,
@@ -111,8 +117,8 @@ def _write_view(
         cam_from_world=cam_from_world,
         split=source.split,
         session=source.session,
-        evaluation=_copied_evaluation(source, camera, target),
-        truth=_copied_truth(source, camera, similarity.scale, target),
+        evaluation=_copied_evaluation(source, name, camera, target),
+        truth=_copied_truth(source, name, camera, similarity.scale, target),
     )
 
 
@@ -125,51 +131,55 @@ def _scaled(pixels: NDArray[Any], camera: Camera, interpolation: int) -> NDArray
 
 def _photo(source: SourceView) -> NDArray[np.uint8]:
     """The photo as ``source.camera`` sees it."""
-    photo = read_rgb_as_stored(source.photo)
-    width, height = _stored_size(source)
-    if photo.shape[:2] != (height, width):
-        raise InputError(
-            f"{source.photo}: the photo is {photo.shape[1]}x{photo.shape[0]} px but its camera is "
-            f"{width}x{height} px; import the photos that the model was made from"
-        )
+    photo = stored_photo(source)
     return photo if source.lens is None else undistorted(photo, source.lens)
 
 
-def _stored_size(source: SourceView) -> tuple[int, int]:
-    """Width and height of the photo on disk, in px."""
-    camera = source.camera if source.lens is None else source.lens
-    return int(camera.width), int(camera.height)
-
-
 def _write_mask(mask: SourceMask, source: SourceView, camera: Camera, path: Path) -> None:
-    values = read_mask(mask.path, *_stored_size(source))
-    if not mask.white_means:
-        values = ~values
+    read = read_mask_levels(mask.path, *stored_size(source))
+    values = read.is_white if mask.white_means else ~read.is_white
+    _write_fitted(values, source, camera, path)
+    if values.all() or not values.any():
+        # The mask stage sees black and white alone, but may have to say what is wrong with it.
+        write_bytes(path.with_suffix(".txt"), (mask.levels or read.described()).encode())
+
+
+def _write_opaque(source: SourceView, camera: Camera, path: Path) -> None:
+    """Keep where the photo is opaque, if it is not everywhere."""
+    is_opaque = read_opaque(source.photo)
+    if is_opaque is not None:
+        _write_fitted(is_opaque, source, camera, path)
+
+
+def _write_fitted(mask: NDArray[np.bool_], source: SourceView, camera: Camera, path: Path) -> None:
+    """Write a mask of the stored photo as one of the imported photo."""
     if source.lens is not None:
-        values = undistorted_mask(values, source.lens)
-    write_image(path, resize_mask(values, camera.width, camera.height))
+        mask = undistorted_mask(mask, source.lens)
+    write_image(path, resize_mask(mask, camera.width, camera.height))
 
 
-def _write_labels(path: Path, source: SourceView, camera: Camera, target: Path) -> None:
+def _write_labels(file: Path, source: SourceView, camera: Camera, path: Path) -> None:
     """Copy a label map; where it must shrink, whole pixels are taken: classes do not mix."""
-    labels = read_labels(path)
-    width, height = _stored_size(source)
+    labels = read_labels(file)
+    width, height = stored_size(source)
     if labels.shape[:2] != (height, width):
         raise InputError(
-            f"{path}: the label map is {labels.shape[1]}x{labels.shape[0]} px but its photo is "
+            f"{file}: the label map is {labels.shape[1]}x{labels.shape[0]} px but its photo is "
             f"{width}x{height} px; make the labels again at the photo's size"
         )
     scaled = _scaled(labels, camera, cv2.INTER_NEAREST_EXACT)
-    write_image(target / "given" / "labels" / f"{source.name}.png", scaled)
+    write_image(path, scaled)
 
 
-def _copied_evaluation(source: SourceView, camera: Camera, target: Path) -> EvaluationEntry | None:
+def _copied_evaluation(
+    source: SourceView, name: str, camera: Camera, target: Path
+) -> EvaluationEntry | None:
     entry = source.evaluation
     if entry is None:
         return None
     mask = None
     if entry.mask is not None:
-        mask = f"given/eval/{source.name}.png"
+        mask = f"given/eval/{name}.png"
         _write_mask(SourceMask(Path(entry.mask)), source, camera, target / mask)
     original = Path(entry.env_map)
     env_map = f"envmaps/{original.parent.name}/{original.name}"
@@ -178,13 +188,13 @@ def _copied_evaluation(source: SourceView, camera: Camera, target: Path) -> Eval
 
 
 def _copied_truth(
-    source: SourceView, camera: Camera, scale: float, target: Path
+    source: SourceView, name: str, camera: Camera, scale: float, target: Path
 ) -> GroundTruth | None:
     truth = source.truth
     if truth is None:
         return None
-    paths = {kind: f"ground_truth/{kind}/{source.name}.exr" for kind in ("albedo", "normal")}
-    paths["depth"] = f"ground_truth/depth/{source.name}.exr"
+    paths = {kind: f"ground_truth/{kind}/{name}.exr" for kind in ("albedo", "normal")}
+    paths["depth"] = f"ground_truth/depth/{name}.exr"
     paths["env_map"] = f"ground_truth/envmaps/{Path(truth.env_map).name}"
     _copy(Path(truth.env_map), target / paths["env_map"])
     for kind in ("albedo", "normal", "depth"):

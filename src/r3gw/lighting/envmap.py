@@ -40,7 +40,7 @@ def pixel_directions(height: int, width: int) -> Float[Tensor, "{height} {width}
 def published_directions(
     height: int, width: int, rotation_x_rad: float, sun_angle_rad: float
 ) -> Float[Tensor, "{height} {width} 3"]:
-    """World direction of each pixel under the published NeRF-OSR protocol (mirrored; data.md E).
+    """World direction of each pixel under the published NeRF-OSR protocol (mirrored).
 
     Args:
         height, width: Size of the map in pixels.

@@ -58,8 +58,8 @@ class Light:
         """A clear day's sun and sky (Hosek and Wilkie 2012, 2013, as Mitsuba has them).
 
         Args:
-            elevation_deg: Of the sun above the horizon, 0 to 90.
-            azimuth_deg: Of the sun, from +z towards +x.
+            elevation_deg: How high the sun stands above the horizon, 0 to 90.
+            azimuth_deg: Where the sun stands, from +z towards +x.
             turbidity: Haze, 1 (clear) to 10.
             degree: SH degree of the light.
 

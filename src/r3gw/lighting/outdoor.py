@@ -12,11 +12,11 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from r3gw.geometry.cameras import UP
 from r3gw.lighting import envmap, sh
 
 SKY_DEGREE = 1  # Of the sky's radiance: a mean and a gradient.
 QUADRATURE_ROWS = 256  # Of the map that half-spheres are integrated on.
-UP = (0.0, -1.0, 0.0)
 
 
 def outdoor_light(
@@ -33,7 +33,7 @@ def outdoor_light(
         sun_direction: Unit vector towards the sun; below the horizon it lights no ground.
         sun_power: Irradiance of a surface that faces the sun.
         ground_reflectance: 0 to 1.
-        degree: Of the result.
+        degree: SH degree of the light that comes out.
     """
     from_sky, from_ground, level = (part.to(sky) for part in _half_spheres(degree))
     sun = basis_of_one(sun_direction, degree)[:, None] * sun_power

@@ -29,22 +29,35 @@ class MaskFacts:
     Attributes:
         source: Where it came from.
         share: Share of True pixels.
-        polarity: Of a sky mask; None for other kinds.
+        polarity: Whether a sky mask looks upright or inverted; None for other kinds.
+        transparent: Share that is False because the photo is transparent there.
+        levels: What the values of the user's file were, where that may explain the mask.
     """
 
     source: str
     share: float
     polarity: Polarity | None = None
+    transparent: float = 0.0
+    levels: str | None = None
+
+    @property
+    def origin(self) -> str:
+        """The source, and what is known of the file behind it, for sentences."""
+        return self.source if self.levels is None else f"{self.source}, {self.levels}"
 
     def as_json(self) -> dict[str, object]:
         """For masks.json."""
         record: dict[str, object] = {"source": self.source, "share": round(self.share, 6)}
-        return record if self.polarity is None else record | {"polarity": self.polarity}
+        if self.polarity is not None:
+            record["polarity"] = self.polarity
+        if self.transparent:
+            record["transparent"] = round(self.transparent, 6)
+        return record
 
 
-def sky_facts(is_sky: Mask, source: str) -> MaskFacts:
+def sky_facts(is_sky: Mask, source: str, levels: str | None = None) -> MaskFacts:
     """Facts of a sky mask ``[H, W]``."""
-    return MaskFacts(source, float(is_sky.mean()), guess_polarity(is_sky))
+    return MaskFacts(source, float(is_sky.mean()), guess_polarity(is_sky), levels=levels)
 
 
 def guess_polarity(is_sky: Mask) -> Polarity:
@@ -64,22 +77,23 @@ def check_photo(name: str, is_sky: MaskFacts, is_valid: MaskFacts) -> list[str]:
     """
     if is_valid.share == 0.0:
         raise InputError(
-            f"mask is_valid of {name} ({is_valid.source}): every pixel is an occluder, so the "
-            "photo teaches nothing; white must mean valid: correct the mask or remove the photo"
+            f"mask is_valid of {name} ({is_valid.origin}): every pixel is an occluder or "
+            "transparent, so the photo teaches nothing; white must mean valid: correct the mask or "
+            "remove the photo"
         )
     if is_sky.share == 1.0:
         raise InputError(
-            f"mask is_sky of {name} ({is_sky.source}): every pixel is sky, so the photo teaches "
+            f"mask is_sky of {name} ({is_sky.origin}): every pixel is sky, so the photo teaches "
             "no building; correct the mask or remove the photo"
         )
     warnings = []
     if is_sky.share == 0.0 and is_sky.source != "none":
         warnings.append(
-            f"mask is_sky of {name} ({is_sky.source}) is without any sky; look at the photo"
+            f"mask is_sky of {name} ({is_sky.origin}) is without any sky; look at the photo"
         )
     if is_sky.polarity == "inverted":
         warnings.append(
-            f"mask is_sky of {name} ({is_sky.source}) has more sky in its lower third than in its "
+            f"mask is_sky of {name} ({is_sky.origin}) has more sky in its lower third than in its "
             "upper one; look whether it is inverted"
         )
     return warnings

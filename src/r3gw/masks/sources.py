@@ -1,4 +1,4 @@
-"""Where one photo's masks come from: the first source of a chain that has one (data.md D)."""
+"""Where one photo's masks come from: the first source of a chain that has one (docs/data.md)."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -64,6 +64,20 @@ class MaskReader:
             "all": lambda view: np.ones((view.height, view.width), np.bool_),
         }
         return _first("is_valid", view, self._sources.valid_masks, makers)
+
+    def is_opaque(self, view: View) -> Mask:
+        """Where the photo is not transparent, ``[H, W]``: nothing else is valid, or sky.
+
+        Raises:
+            InputError: If the imported alpha channel is unreadable.
+        """
+        mask = self._given("is_opaque", view)
+        return np.ones((view.height, view.width), np.bool_) if mask is None else mask
+
+    def levels(self, kind: str, view: View, source: str) -> str | None:
+        """What the import noted of a mask that came with the data and has one value only."""
+        path = self._folder / "given" / kind / f"{view.name}.txt"
+        return path.read_text() if source == "given" and path.is_file() else None
 
     def _photo(self, view: View) -> NDArray[np.uint8]:
         return read_rgb(self._folder / view.image)

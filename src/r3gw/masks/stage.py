@@ -44,8 +44,15 @@ def make_masks(scene_folder: Path, target: Path, sources: MaskSources) -> None:
     for view in tqdm(scene.views, desc=f"masks of {scene.name}", unit="photo", leave=False):
         sky_from, is_sky = reader.is_sky(view)
         valid_from, is_valid = reader.is_valid(view)
-        sky[view.name] = sky_facts(is_sky, sky_from)
-        valid[view.name] = MaskFacts(valid_from, float(is_valid.mean()))
+        is_opaque = reader.is_opaque(view)
+        is_sky, is_valid = is_sky & is_opaque, is_valid & is_opaque
+        sky[view.name] = sky_facts(is_sky, sky_from, reader.levels("is_sky", view, sky_from))
+        valid[view.name] = MaskFacts(
+            valid_from,
+            float(is_valid.mean()),
+            transparent=float(1.0 - is_opaque.mean()),
+            levels=reader.levels("is_valid", view, valid_from),
+        )
         warnings += check_photo(view.name, sky[view.name], valid[view.name])
         for kind, mask in zip(KINDS, (is_valid, is_sky), strict=True):
             write_image(target / kind / f"{view.name}.png", mask)

@@ -18,8 +18,8 @@ def photo_light(model: SceneModel, photo: str) -> Light:
     if photo not in model.photos:
         known = ", ".join(model.photos)
         raise InputError(f"the model has no light of a photo '{photo}'; it was trained on: {known}")
-    light, sky, _ = model.appearance(model.photos.index(photo))
-    return Light(light, LearnedSky(sky))
+    lit = model.appearance(model.photos.index(photo))
+    return Light(lit.light, LearnedSky(lit.sky_light))
 
 
 def learned_lights(model: SceneModel) -> dict[str, Light]:

@@ -177,8 +177,8 @@ def blocked_irradiance(
     Args:
         lost: Share of each direction's light that does not arrive, 0 to 1.
         normals: Unit normals.
-        directions: Evenly spread over the upper hemisphere.
-        degree: Of the light.
+        directions: Directions that are evenly spread over the upper hemisphere.
+        degree: SH degree of the light.
     """
     cosine = (normals @ directions.T).clamp_min(0)
     area = 2 * pi / len(directions)

@@ -1,29 +1,12 @@
-"""Hyperparameters of one training. Values live in config/train.yaml; here are names and limits."""
-
-from pathlib import Path
-from typing import Literal
+"""Settings of what the model starts from and how it shades itself; values live in config/."""
 
 from pydantic import Field
 
-from r3gw.files.strict import Strict, read_yaml, validated
-
-
-class ModelSettings(Strict):
-    """What is modelled (method 3, 4, 5)."""
-
-    separate_sky: bool
-    specular: bool
-    light_degree: Literal[2, 4]
-    share_session_light: bool
-    embedding_size: int = Field(ge=1)
-    hidden_size: int = Field(ge=1)
-    light_hidden_size: int = Field(ge=1)
-    dropout: float = Field(ge=0, lt=1)
-    light_noise: float = Field(ge=0)
+from r3gw.files.strict import Strict
 
 
 class InitSettings(Strict):
-    """Values before the first iteration (method 8)."""
+    """Values before the first iteration."""
 
     opacity: float = Field(gt=0, lt=1)
     roughness: float = Field(gt=0, lt=1)
@@ -31,72 +14,13 @@ class InitSettings(Strict):
     light_radiance: float = Field(gt=0)
 
 
-class RateSettings(Strict):
-    """Adam's learning rates (method 8)."""
-
-    position_first: float = Field(gt=0)
-    position_last: float = Field(gt=0)
-    position_iterations: int = Field(gt=0)
-    spatial_scale: float = Field(gt=0)
-    opacity: float = Field(gt=0)
-    scale: float = Field(gt=0)
-    rotation: float = Field(gt=0)
-    albedo: float = Field(gt=0)
-    roughness: float = Field(gt=0)
-    sky_radius: float = Field(gt=0)
-    embedding: float = Field(gt=0)
-    mlp: float = Field(gt=0)
-    short_run_boost: float = Field(ge=1)
-
-
-class WeightSettings(Strict):
-    """Weights of the losses (Eq. 12-17); 0 switches a loss off."""
-
-    ssim: float = Field(ge=0, le=1)
-    light: float = Field(ge=0)
-    normal: float = Field(ge=0)
-    scale: float = Field(ge=0)
-    separation: float = Field(ge=0)
-    sky_depth: float = Field(ge=0)
-    sky_depth_gamma: float = Field(gt=0)
-    light_directions: int = Field(ge=1)
-    light_domain: str = Field(pattern="^(hemisphere|sphere)$")
-
-
-class DensitySettings(Strict):
-    """Clone, split, prune and opacity reset (method 8).
-
-    No resets where the interval is null; a threshold whose last value is null keeps the first.
-    """
-
-    first: int = Field(ge=0)
-    last: int = Field(ge=0)
-    interval: int = Field(gt=0)
-    threshold_first: float = Field(gt=0)
-    threshold_last: float | None = Field(gt=0)
-    large_scale: float = Field(gt=0)
-    huge_scale: float = Field(gt=0)
-    min_opacity: float = Field(gt=0, lt=1)
-    reset_interval: int | None = Field(gt=0)
-    reset_opacity: float = Field(gt=0, lt=1)
-    max_gaussians: int = Field(gt=0)
-    sky_share: float = Field(gt=0, le=1)
-
-
 class SkySettings(Strict):
-    """The sky's initial Gaussians (method 4)."""
+    """The sky's initial Gaussians (Sec. 4.3)."""
 
     count_per_radius: float = Field(gt=0)
     min_count: int = Field(gt=0)
     max_count: int = Field(gt=0)
     azimuth_range: str = Field(pattern="^(cameras|full)$")
-
-
-class SilhouetteSettings(Strict):
-    """The foreground's opacity in place of Eq. 15 (losses.separation); not in the paper."""
-
-    enabled: bool
-    solid: float = Field(ge=0)
 
 
 class OcclusionSettings(Strict):
@@ -111,43 +35,3 @@ class OcclusionSettings(Strict):
     offset: float = Field(ge=0)
     bounce: float = Field(ge=0, lt=1)
     neighbours: int = Field(ge=1)
-
-
-class OutdoorSettings(Strict):
-    """Sun, sky and ground instead of free light (r3gw.lighting.outdoor); not in the paper."""
-
-    enabled: bool
-    ground_reflectance: float = Field(ge=0, le=1)
-    sun_power: float = Field(gt=0)
-    sun_rate: float = Field(gt=0)
-    visible_sky: float = Field(ge=0)
-    sky_gradient: float = Field(ge=0)
-
-
-class TrainSettings(Strict):
-    """Everything that changes the result of one training."""
-
-    iterations: int = Field(ge=1)
-    paper_iterations: int = Field(ge=1)
-    losses: Literal["fused", "plain"] = "fused"
-    warm_up: int = Field(ge=0)
-    geometry_losses_from: int = Field(ge=0)
-    seed: int = Field(ge=0)
-    model: ModelSettings
-    init: InitSettings
-    rates: RateSettings
-    weights: WeightSettings
-    density: DensitySettings
-    sky: SkySettings
-    silhouette: SilhouetteSettings
-    occlusion: OcclusionSettings
-    outdoor: OutdoorSettings
-
-
-def load_train_settings(path: Path) -> TrainSettings:
-    """Read the resolved settings of one run (``settings.json``; JSON is YAML too).
-
-    Raises:
-        InputError: If a key is unknown, missing or out of range.
-    """
-    return validated(TrainSettings, read_yaml(path), str(path))

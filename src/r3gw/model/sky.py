@@ -14,8 +14,9 @@ from torch import Tensor, nn
 from r3gw.geometry.spherical import angles_from_direction, direction_from_angles
 from r3gw.imaging.colour import two_way_clamp
 from r3gw.lighting import sh
-from r3gw.model.foreground import initial_log_scales
+from r3gw.model.attributes import ANGLES, SKY, first_rows
 from r3gw.model.rows import Rows
+from r3gw.model.settings import InitSettings
 
 PREFIX = "sky."
 SKY_DEGREE = 1
@@ -56,23 +57,13 @@ class Sky(nn.Module):
     centre: Tensor
     azimuth_rad: Tensor
 
-    def __init__(self, dome: SkyDome, angles: Float[Tensor, "n 2"], opacity: float) -> None:
-        """Place Gaussians of equal opacity at ``angles``; spacing sets their scale."""
+    def __init__(self, dome: SkyDome, rows: Rows) -> None:
+        """Put the Gaussians of ``rows`` on the dome."""
         super().__init__()
         self.register_buffer("centre", dome.centre.clone().float())
         self.register_buffer("azimuth_rad", torch.tensor(dome.azimuth_rad))
         self.radius = nn.Parameter(torch.tensor(dome.radius))
-        count = len(angles)
-        positions = direction_from_angles(angles[:, 0], angles[:, 1]) * dome.radius
-        self.rows = Rows(
-            PREFIX,
-            {
-                "angles": angles.clone(),
-                "log_scales": initial_log_scales(positions) if count else torch.zeros(0, 3),
-                "quaternions": torch.tensor([1.0, 0.0, 0.0, 0.0]).repeat(count, 1),
-                "opacity_logits": torch.logit(torch.full((count,), opacity)),
-            },
-        )
+        self.rows = rows
 
     def means(self) -> Float[Tensor, "n 3"]:
         """Positions in the world."""
@@ -109,3 +100,10 @@ class Sky(nn.Module):
         middle = 0.5 * (first + last)
         phi = middle + torch.remainder(phi - middle + pi, 2 * pi) - pi
         return torch.stack([theta.clamp(0.0, pi / 2), phi.clamp(first, last)], dim=-1)
+
+
+def initial_sky(dome: SkyDome, angles: Float[Tensor, "n 2"], init: InitSettings) -> Sky:
+    """Gaussians at ``angles``; their spacing sets their scale, the settings the rest."""
+    positions = direction_from_angles(angles[:, 0], angles[:, 1]) * dome.radius
+    first = {ANGLES.name: angles.clone(), **first_rows(SKY, positions, init)}
+    return Sky(dome, Rows(PREFIX, first))

@@ -8,9 +8,9 @@ from pydantic import Field
 
 from r3gw.files import InputError
 from r3gw.files.strict import Strict, read_yaml, validated
-from r3gw.model.settings import TrainSettings
 from r3gw.pipeline.scene_entry import SceneEntry
 from r3gw.pipeline.study import StudySettings
+from r3gw.training.settings import TrainSettings
 
 SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 

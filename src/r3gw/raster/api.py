@@ -38,7 +38,7 @@ def rasterize(
         means: World positions.
         quaternions: Gaussian to world, wxyz, of any length > 0.
         scales: Standard deviations along the Gaussian's axes, world units, >= 0.
-        opacities: In [0, 1].
+        opacities: Opacities in [0, 1].
         features: Any number of channels >= 1; 1, 3, 4, 8, 9 and 16 have kernels of their own.
         cam_from_world: [4, 4] or [3, 4]; x right, y down, z forward. Carries no gradient.
         intrinsics: (fx, fy, cx, cy) in pixels; pixel centres lie at +0.5.

@@ -50,7 +50,7 @@ def cameras_over_time(
         scene: Holds the views.
         options: How the camera stands or moves.
         middle: Middle of the scene's surfaces, the prior of `focus`.
-        times: Of the frames.
+        times: The times of the frames.
 
     Raises:
         InputError: If a view is unknown or none is given, or an orbit has not exactly one view.

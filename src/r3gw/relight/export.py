@@ -30,7 +30,7 @@ def export(
     """Write ``baked.ply``, ``relightable.ply``, ``baked.glb`` and ``lights.json``.
 
     Args:
-        model_path: model.pt of a training, or relightable.ply of an export.
+        model_path: model.safetensors of a training, or relightable.ply of an export.
         scene_folder: Folder of scene.json.
         target: Folder to write.
         light: What the colours are baked under; it stands still.

@@ -39,7 +39,7 @@ def relight(
     """Render the frames and write them to every output.
 
     Args:
-        model_path: model.pt of a training, or relightable.ply of an export.
+        model_path: model.safetensors of a training, or relightable.ply of an export.
         scene_folder: Folder of scene.json.
         outputs: Files to write (r3gw.relight.outputs).
         cameras, light: Each may move over the film.

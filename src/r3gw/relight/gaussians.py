@@ -106,8 +106,8 @@ def relightable_of(model: SceneModel, origin: str = "the model") -> Relightable:
         foreground["albedo_logits"].sigmoid(),
         foreground["roughness_logits"].sigmoid(),
         learned_lights(model),
-        model.settings.model.light_degree,
-        model.settings.model.specular,
+        model.description.light_degree,
+        model.description.specular,
         foreground.values.get(OCCLUSION),
         origin,
     )

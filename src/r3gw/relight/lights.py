@@ -31,7 +31,7 @@ class PhotoSource:
     """Light learned for a training photo, or a blend of two.
 
     Attributes:
-        photos: One name, or two.
+        photos: Name of the photo, or of the two that are blended.
         blend: Weight of the second photo's light, 0 to 1.
     """
 
@@ -49,8 +49,8 @@ class SunSource:
     """A clear day.
 
     Attributes:
-        elevation_deg: Of the sun above the horizon, 0 to 90.
-        azimuth_deg: Of the sun, from +z towards +x.
+        elevation_deg: How high the sun stands above the horizon, 0 to 90.
+        azimuth_deg: Where the sun stands, from +z towards +x.
         turbidity: Haze, 1 (clear) to 10.
     """
 

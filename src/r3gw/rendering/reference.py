@@ -36,7 +36,7 @@ def splats_of(
         foreground["albedo_logits"].sigmoid(),
         foreground["roughness_logits"].sigmoid(),
         light,
-        with_specular=model.settings.model.specular,
+        with_specular=model.description.specular,
     )
     shadow = shadow_of(foreground, light)
     if shadow is not None:

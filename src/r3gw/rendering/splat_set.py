@@ -18,10 +18,10 @@ class Splats:
         means: World positions.
         quaternions: Gaussian to world, wxyz, of any length.
         scales: Standard deviations, world units.
-        opacities: In [0, 1].
+        opacities: Opacities in [0, 1].
         features: The columns of `r3gw.rendering.channels`.
-        depths: Camera z.
-        smallest_scales: The smallest of each foreground Gaussian's scales, world units.
+        depths: Camera z of the centres.
+        smallest_scales: Smallest scale of each foreground Gaussian, world units.
         layers: What the columns ``foreground`` and ``sky`` hold.
     """
 

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
+from r3gw.model.attributes import FOREGROUND, SKY
 from r3gw.model.model import SceneModel
 from r3gw.native import kernels, ops
 from r3gw.rendering import reference
@@ -43,24 +44,16 @@ def splats_of(
         return reference.splats_of(model, camera, light, sky_light, layers)
     rows = ops.splats(
         ops.ForegroundRows(
-            means=foreground["means"],
-            log_scales=foreground["log_scales"],
-            quaternions=foreground["quaternions"],
-            opacity_logits=foreground["opacity_logits"],
-            albedo_logits=foreground["albedo_logits"],
-            roughness_logits=foreground["roughness_logits"],
+            **{attribute.name: foreground[attribute.name] for attribute in FOREGROUND},
             shadow=shadow_of(foreground, light),
         ),
         ops.SkyRows(
-            angles=sky.rows["angles"],
-            log_scales=sky.rows["log_scales"],
-            quaternions=sky.rows["quaternions"],
-            opacity_logits=sky.rows["opacity_logits"],
+            **{attribute.name: sky.rows[attribute.name] for attribute in SKY},
             radius=sky.radius,
             centre=sky.centre,
         ),
         light.contiguous(),
-        brdf_table().to(light.device) if model.settings.model.specular else None,
+        brdf_table().to(light.device) if model.description.specular else None,
         None if sky_light is None else sky_light.contiguous(),
         camera.cam_from_world,
         layers,

@@ -21,7 +21,7 @@ Row4 = tuple[float, float, float, float]
 
 
 class EvaluationEntry(Strict):
-    """How the published protocol lights one test view (data.md A, E).
+    """How the published protocol lights one test view.
 
     Attributes:
         mask: Picture, white = evaluate; None evaluates the whole photo.
@@ -58,12 +58,27 @@ class GroundTruth(Strict):
 
 
 class View(Strict):
-    """One photo with its camera; ``name`` is the file's stem.
+    """One photo with its camera.
 
-    ``source_size_px`` is the photo's width and height before the import, if it was larger.
+    Attributes:
+        name: Unique among the views and safe as a file name (r3gw.scene.names.view_names): the
+            photo's stem, or its path where stems are equal in several folders.
+        path: The photo's path below the folder of photos, which masks and lists mean; None in
+            scenes that were imported before paths were kept.
+        image: The imported picture, relative to the scene's folder.
+        width: Its width in px.
+        height: Its height in px.
+        source_size_px: The photo's width and height before the import, if it was larger.
+        intrinsics: ``(fx, fy, cx, cy)`` in px.
+        cam_from_world: Rigid transform ``[4, 4]``.
+        split: Whether the photo is trained on or held out.
+        session: When it was taken, for photos that share a light.
+        evaluation: How the published protocol lights it.
+        truth: What is known exactly of it.
     """
 
     name: str
+    path: str | None = None
     image: str
     width: int
     height: int

@@ -1,4 +1,4 @@
-"""Adaptive density: clone, split and prune both sets, and reset opacities (method 8).
+"""Adaptive density: clone, split and prune both sets, and reset opacities.
 
 Statistics follow Kerbl et al. (2023): the mean, over the views that saw a Gaussian, of the norm
 of the screen-space position gradient in NDC units. The threshold rises exponentially with the
@@ -18,6 +18,7 @@ from r3gw.model.foreground import too_large
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import Rows
 from r3gw.native import kernels, ops
+from r3gw.training.settings import DensitySettings
 
 SPLIT_SHRINK = 1.6
 
@@ -68,6 +69,7 @@ def densify(
     model: SceneModel,
     optimizer: Optimizer,
     gradients: Float[Tensor, "n"],
+    settings: DensitySettings,
     *,
     threshold: float,
     extent: float,
@@ -80,13 +82,13 @@ def densify(
         model: Changed in place.
         optimizer: Its state follows the rows.
         gradients: Mean NDC gradient norms, foreground first.
+        settings: Sizes, opacities and the largest number of Gaussians.
         threshold: Gradient norm above which a Gaussian is densified.
         extent: Camera extent, world units; sizes are judged relative to it, in the sky
             relative to the dome's radius where that is larger.
         prune_huge: Whether too large Gaussians go, as they do after the first opacity reset.
         generator: Draws the positions of split children.
     """
-    settings = model.settings.density
     split_at = len(model.foreground)
     budget = settings.max_gaussians - model.num_gaussians
     sky_extent = max(extent, float(model.sky.radius.detach()))
@@ -107,9 +109,9 @@ def densify(
         _prune(rows, optimizer, settings.min_opacity, huge)
 
 
-def reset_opacity(model: SceneModel, optimizer: Optimizer) -> None:
-    """Lower all opacities to at most the reset value."""
-    ceiling = torch.logit(torch.tensor(model.settings.density.reset_opacity))
+def reset_opacity(model: SceneModel, optimizer: Optimizer, highest: float) -> None:
+    """Lower all opacities to at most ``highest``."""
+    ceiling = torch.logit(torch.tensor(highest))
     for rows in (model.foreground, model.sky.rows):
         if len(rows):
             rows.overwrite(optimizer, "opacity_logits", rows["opacity_logits"].clamp(max=ceiling))

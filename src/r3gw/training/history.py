@@ -44,7 +44,7 @@ class History:
         rendering: Rendering,
         parts: dict[str, float],
     ) -> dict[str, float | int]:
-        """Record one iteration and return its row, with the losses that act."""
+        """Record one iteration and return its row, with a column for every acting loss."""
         row: dict[str, float | int] = {
             "iteration": iteration,
             "seconds": self.seconds(),
@@ -54,16 +54,16 @@ class History:
             "num_sky": len(model.sky.rows),
             "sky_radius": float(model.sky.radius.detach()),
         }
-        row |= {f"loss_{name}": part for name, part in parts.items()}
+        row |= {f"loss_{name}": value for name, value in parts.items()}
         self.rows.append(row)
         return row
 
     def write(self, path: Path) -> None:
-        """Write all rows as CSV, atomically; losses that do not act in an iteration are 0."""
+        """Write all rows as CSV, atomically; a loss that does not act yet is 0."""
+        table = pd.DataFrame(self.rows)
+        losses = table.columns.str.startswith("loss")
+        table.loc[:, losses] = table.loc[:, losses].fillna(0.0)
         with atomic_path(path) as temporary:
-            table = pd.DataFrame(self.rows)
-            losses = [str(name) for name in table.columns if str(name).startswith("loss_")]
-            table = table.fillna(dict.fromkeys(losses, 0.0))
             table.to_csv(temporary, index=False, float_format="%.6g")
 
 

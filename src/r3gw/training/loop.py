@@ -10,35 +10,40 @@ from r3gw.files import InputError
 from r3gw.model.model import SceneModel
 from r3gw.model.occlusion import update_occlusion
 from r3gw.model.rows import OCCLUSION
+from r3gw.training.checkpoint import Checkpoints
 from r3gw.training.density import GradientStatistics, densify, reset_opacity, rising_threshold
 from r3gw.training.history import History
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step, set_position_rate
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
-from r3gw.training.state import Checkpoints, TrainingState, first_state
+from r3gw.training.settings import TrainSettings
+from r3gw.training.state import TrainingState, first_state
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
 
 
 def train(
-    model: SceneModel, photos: list[Photo], checkpoints: Checkpoints | None = None
+    model: SceneModel,
+    photos: list[Photo],
+    settings: TrainSettings,
+    checkpoints: Checkpoints | None = None,
 ) -> tuple[SceneModel, History]:
-    """Optimise ``model`` on ``photos`` for the iterations that its settings name.
+    """Optimise ``model`` on ``photos`` for the iterations that the settings name.
 
     Args:
         model: The initial model; changed in place, unless a checkpoint takes its place.
-        photos: In the order of ``model.photos``.
+        photos: The training photos, in the order of ``model.photos``.
+        settings: The settings of the run.
         checkpoints: Where to continue from and save to; None does neither.
 
     Raises:
         InputError: If the loss stops being finite or the foreground vanishes.
     """
-    state = first_state(model)
+    state = first_state(model, settings)
     if checkpoints is not None:
         state = checkpoints.restore(state)
-    iterations = model.settings.iterations
-    schedule = Schedule.of(model.settings)
+    iterations, schedule = settings.iterations, Schedule.of(settings)
     extent = camera_extent([photo.camera for photo in photos])
     state.model.appearance.train()
     interval_s = BAR_INTERVAL_S[sys.stderr.isatty()]
@@ -61,11 +66,13 @@ def _step(
 ) -> dict[str, float | int] | None:
     """Do one iteration; return its row of the history if it gets one."""
     state.iteration += 1
-    iteration, model = state.iteration, state.model
-    set_position_rate(state.optimizer, model, schedule, iteration)
+    iteration, model, settings = state.iteration, state.model, state.settings
+    set_position_rate(state.optimizer, settings.rates, schedule, iteration)
     index = state.order.next(state.generator)
     photo = photos[index]
-    rendering, loss, parts = objective(model, photo, index, iteration, schedule, state.generator)
+    rendering, loss, parts = objective(
+        model, settings, photo, index, iteration, schedule, state.generator
+    )
     if not torch.isfinite(loss):
         raise InputError(_not_finite(iteration, photo, parts))
     torch.autograd.backward(loss)
@@ -78,7 +85,7 @@ def _step(
     _change_density(state, schedule, extent)
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
         centres = [photo.camera.centre for photo in photos]
-        update_occlusion(model.foreground, centres, model.settings.occlusion)
+        update_occlusion(model.foreground, centres, settings.occlusion)
     if not state.history.is_due(iteration):
         return None
     return state.history.add(iteration, model, photo, rendering, parts)
@@ -87,7 +94,7 @@ def _step(
 def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> None:
     """Densify and reset opacities if due."""
     iteration, model = state.iteration, state.model
-    density = model.settings.density
+    density = state.settings.density
     if schedule.densifies(iteration):
         threshold = rising_threshold(
             schedule.density_progress(iteration),
@@ -98,6 +105,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
             model,
             state.optimizer,
             state.statistics.mean(),
+            density,
             threshold=threshold,
             extent=extent,
             prune_huge=schedule.prunes_huge(iteration),
@@ -110,7 +118,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
                 "masks (polarity, coverage) and the learning rates"
             )
     if schedule.resets_opacity(iteration):
-        reset_opacity(model, state.optimizer)
+        reset_opacity(model, state.optimizer, density.reset_opacity)
 
 
 def _postfix(row: dict[str, float | int]) -> str:

@@ -1,49 +1,51 @@
-"""Adam over every parameter of the model, one named group each (method 8)."""
+"""Adam over every parameter of the model, one named group each."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import torch
 
+from r3gw.model import foreground, sky
+from r3gw.model.attributes import FOREGROUND, SKY
 from r3gw.model.model import SceneModel
 from r3gw.native import kernels, ops
+from r3gw.training.lights.kinds import training_of
 from r3gw.training.schedule import Schedule
+from r3gw.training.settings import RateSettings, TrainSettings
 
 EPSILON = 1e-15
-POSITIONS = ("foreground.means", "sky.angles")
+POSITIONS = tuple(
+    f"{prefix}{attribute.name}"
+    for prefix, attributes in ((foreground.PREFIX, FOREGROUND), (sky.PREFIX, SKY))
+    for attribute in attributes
+    if attribute.rate == "position"
+)
 
 
-def make_optimizer(model: SceneModel) -> torch.optim.Adam:
+def make_optimizer(model: SceneModel, settings: TrainSettings) -> torch.optim.Adam:
     """Adam with the settings' learning rates; ``group["name"]`` says what a group trains."""
-    rates = model.settings.rates
-    slow = rates.short_run_boost
-    by_name = {
-        "foreground.means": rates.position_first * rates.spatial_scale,
-        "foreground.albedo_logits": rates.albedo * slow,
-        "foreground.roughness_logits": rates.roughness * slow,
-        "sky.angles": rates.position_first * rates.spatial_scale,
-        "sky.radius": rates.sky_radius * slow,
-    }
-    for prefix in ("foreground.", "sky."):
-        by_name[f"{prefix}log_scales"] = rates.scale
-        by_name[f"{prefix}quaternions"] = rates.rotation
-        by_name[f"{prefix}opacity_logits"] = rates.opacity
+    rates = settings.rates
     groups: list[dict[str, Any]] = [
-        {"name": f"{rows.prefix}{name}", "params": [parameter]}
-        for rows in (model.foreground, model.sky.rows)
-        for name, parameter in rows.values.items()
-        if parameter.requires_grad
+        {
+            "name": f"{rows.prefix}{attribute.name}",
+            "params": [rows[attribute.name]],
+            "lr": rates.named(attribute.rate),
+        }
+        for rows, attributes in ((model.foreground, FOREGROUND), (model.sky.rows, SKY))
+        for attribute in attributes
     ]
-    groups.append({"name": "sky.radius", "params": [model.sky.radius]})
-    for group in groups:
-        group["lr"] = by_name[str(group["name"])]
-    embedding, outdoor = model.appearance.embedding, model.appearance.outdoor
-    if outdoor is not None:
-        rate = model.settings.outdoor.sun_rate * slow
-        groups.append({"name": "sun", "params": list(outdoor.parameters()), "lr": rate})
-    apart = {id(p) for group in groups for p in group["params"]} | {id(embedding)}
+
+    def add(name: str, parameters: Iterable[torch.nn.Parameter], rate: float) -> None:
+        groups.append({"name": name, "params": list(parameters), "lr": rate})
+
+    add("sky.radius", [model.sky.radius], rates.named("sky_radius"))
+    embedding, light_model = model.appearance.embedding, model.appearance.light_model
+    if own := list(light_model.parameters()):
+        add("light", own, training_of(light_model).rate(settings))
+    apart = {id(parameter) for parameter in (*own, embedding)}
     mlp = [p for p in model.appearance.parameters() if id(p) not in apart]
-    groups.append({"name": "embedding", "params": [embedding], "lr": rates.embedding * slow})
-    groups.append({"name": "mlp", "params": mlp, "lr": rates.mlp * slow})
+    add("embedding", [embedding], rates.named("embedding"))
+    add("mlp", mlp, rates.named("mlp"))
     return torch.optim.Adam(groups, eps=EPSILON, fused=True)
 
 
@@ -84,10 +86,9 @@ def adam_step(optimizer: torch.optim.Adam) -> None:
 
 
 def set_position_rate(
-    optimizer: torch.optim.Adam, model: SceneModel, schedule: Schedule, iteration: int
+    optimizer: torch.optim.Adam, rates: RateSettings, schedule: Schedule, iteration: int
 ) -> None:
     """Let the learning rate of positions decay as the schedule says."""
-    rates = model.settings.rates
     rate = schedule.position_rate(iteration, rates.position_first, rates.position_last)
     for group in optimizer.param_groups:
         if group["name"] in POSITIONS:

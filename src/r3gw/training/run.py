@@ -1,24 +1,21 @@
-"""The training stage: files in, ``model.pt``, ``history.csv`` and ``run.json`` out."""
+"""The training stage: files in, ``model.safetensors``, ``history.csv`` and ``run.json`` out."""
 
 import gc
-from collections.abc import Sequence
 from pathlib import Path
 
 import torch
-from jaxtyping import Float
-from torch import Tensor
 
 from r3gw.files import write_json
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
 from r3gw.model.initial import load_initial
-from r3gw.model.model import initial_model, light_rows, save_model
-from r3gw.model.settings import TrainSettings, load_train_settings
+from r3gw.model.model_file import save_model
 from r3gw.native import ops
 from r3gw.scene import load_scene
+from r3gw.training.checkpoint import Checkpoints
 from r3gw.training.loop import train
-from r3gw.training.photos import Photo, load_photos
-from r3gw.training.state import Checkpoints
-from r3gw.training.visible_sky import VisibleSky, first_sky
+from r3gw.training.photos import load_photos
+from r3gw.training.settings import load_train_settings
+from r3gw.training.start import initial_model
 
 
 def run_training(
@@ -32,7 +29,7 @@ def run_training(
     variant: str,
     num_threads: int,
 ) -> None:
-    """Train and write ``target``/{model.pt, history.csv, run.json}; run.json is written last.
+    """Train and write model.safetensors, history.csv and, last, run.json into ``target``.
 
     Args:
         scene_folder: Imported scene.
@@ -53,20 +50,21 @@ def run_training(
     photos = load_photos(imported, scene_folder, masks_folder)
     names = tuple(photo.name for photo in photos)
     sessions = tuple(view.session or view.name for view in imported.split("train"))
-    skies = first_skies(photos, light_rows(sessions, settings), settings)
-    start = initial_model(load_initial(initial_path), names, settings, sessions, skies)
-    checkpoints = Checkpoints(target, start)
+    seen = [photo.seen_sky for photo in photos]
+    start = initial_model(load_initial(initial_path), names, settings, sessions, seen)
+    values = settings.model_dump(mode="json")
+    checkpoints = Checkpoints(target, digest(values))
     # What is loaded by now stays: the collector need not walk it during every iteration.
     gc.freeze()
-    model, history = train(start, photos, checkpoints)
-    save_model(model, target / "model.pt")
+    model, history = train(start, photos, settings, checkpoints)
+    save_model(model, target / "model.safetensors", values)
     history.write(target / "history.csv")
     record = {
         "scene": scene,
         "variant": variant,
         "seed": settings.seed,
         "iterations": settings.iterations,
-        "settings_digest": digest(settings.model_dump(mode="json")),
+        "settings_digest": digest(values),
         "code_version": code_version(),
         "machine": machine(),
         "num_threads": num_threads,
@@ -77,14 +75,3 @@ def run_training(
     }
     write_json(target / "run.json", record)
     checkpoints.discard()
-
-
-def first_skies(
-    photos: Sequence[Photo], rows: Sequence[int], settings: TrainSettings
-) -> Float[Tensor, "s 4 3"]:
-    """Per row of the embedding, the sky that its photos show."""
-    seen: list[list[VisibleSky]] = [[] for _ in range(max(rows) + 1)]
-    for photo, row in zip(photos, rows, strict=True):
-        if photo.seen_sky is not None:
-            seen[row].append(photo.seen_sky)
-    return torch.stack([first_sky(photos_sky, settings.init.light_radiance) for photos_sky in seen])

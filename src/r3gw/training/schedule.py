@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import exp, log
 
-from r3gw.model.settings import TrainSettings
+from r3gw.training.settings import TrainSettings
 
 
 def scaled(paper_iteration: int, iterations: int, paper_iterations: int) -> int:

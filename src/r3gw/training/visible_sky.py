@@ -46,9 +46,9 @@ def visible_sky(
     """Evenly chosen sky pixels of a photo; None if it shows hardly any.
 
     Args:
-        camera: Of the photo.
-        planes: Display values, 0 to 255.
-        is_sky: True on sky that nobody stands before.
+        camera: The photo's camera.
+        planes: The photo's display values, 0 to 255.
+        is_sky: True where sky is seen and no occluder stands before it.
     """
     rows, columns = is_sky.nonzero(as_tuple=True)
     if len(rows) < FEWEST_PIXELS:
@@ -76,7 +76,7 @@ def first_sky(seen: Sequence[VisibleSky], otherwise: float) -> Float[Tensor, "4 
     clear.
 
     Args:
-        seen: By photos of the same sky.
+        seen: What photos of the same sky show of it.
         otherwise: Radiance of an even sky where none is seen.
     """
     sky = sh.constant(otherwise, SKY_DEGREE)

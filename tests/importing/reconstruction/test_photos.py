@@ -9,16 +9,17 @@ import cv2
 import numpy as np
 import pycolmap
 import pytest
+from PIL import Image
 from scipy.spatial.transform import Rotation
 from support.exif import with_orientation
 from support.made_up_place import SIZE, place_photo
 
 from r3gw.files import InputError
 from r3gw.imaging.files import read_grey, read_rgb
-from r3gw.importing.readers.colmap_model import from_reconstruction
-from r3gw.importing.reconstruction.registration import Mapped, registration_report
+from r3gw.imaging.masks import read_mask
+from r3gw.importing.reconstruction.prepared import PreparedPhoto
+from r3gw.importing.reconstruction.registration import Mapped, lost_photos
 from r3gw.importing.settings import PhotosScene
-from r3gw.importing.source import SourceScene, SourceView
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
@@ -33,6 +34,22 @@ REPOSITORY = Path(__file__).parents[2]
 SACRE_COEUR = Path(
     os.environ.get("R3GW_SACRE_COEUR", REPOSITORY.parent / "shared" / "data" / "sacre_coeur")
 )
+
+
+# Some photos are no JPEG; that in WebP is transparent in its left columns.
+OTHER_SUFFIXES = {3: ".TIFF", 4: ".webp"}
+TRANSPARENT_COLUMNS = 12
+
+
+def write_other(path, bgr):
+    image = Image.fromarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB))
+    if path.suffix == ".webp":
+        alpha = np.full(bgr.shape[:2], 255, np.uint8)
+        alpha[:, :TRANSPARENT_COLUMNS] = 0
+        image.putalpha(Image.fromarray(alpha))
+        image.save(path, lossless=True)
+    else:
+        image.save(path)
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +68,8 @@ def made(tmp_path_factory):
         image = place_photo(turn.as_matrix().T, centre)
         if number == 2:
             with_orientation(photos / "photo_2.jpg", np.rot90(image), 6)
+        elif number in OTHER_SUFFIXES:
+            write_other(photos / f"photo_{number}{OTHER_SUFFIXES[number]}", image)
         else:
             cv2.imwrite(str(photos / f"photo_{number}.{'JPG' if number else 'png'}"), image)
     for name, folder_name in MASKS.items():
@@ -139,17 +158,13 @@ def test_a_second_group_of_photos_is_named(tmp_path):
             model.add_image_with_trivial_frame(image, pycolmap.Rigid3d())
         groups.append(model)
     groups[0].add_point3D(np.ones(3), pycolmap.Track(), np.zeros(3, np.uint8))
-    photos = {name: tmp_path / f"{name}.jpg" for name in "abcxy"}
-    mapped = Mapped(groups[0], groups[1:], tmp_path / "database.db")
-    model = from_reconstruction(groups[0], tmp_path)
-    views = tuple(
-        SourceView(Path(name).stem, tmp_path / name, camera, "train")
-        for name, camera in model.cameras.items()
-    )
-    report = registration_report(photos, mapped, SourceScene(views, model.points))
+    photos = [
+        PreparedPhoto(f"day/{name}.jpg", tmp_path / f"{name}.png", None, None, {})
+        for name in "abcxy"
+    ]
+    mapped = Mapped(groups[0], groups[1:], tmp_path / "database.db", "exhaustive, 10 pairs")
     reason = "belongs to another group of 2 photos that does not connect"
-    assert report["not_registered"] == {"x.jpg": reason, "y.jpg": reason}
-    assert report["models"] == 2
+    assert lost_photos(photos, mapped) == {"day/x.jpg": reason, "day/y.jpg": reason}
 
 
 def test_same_seed_gives_the_same_bytes(made):
@@ -190,3 +205,15 @@ def test_real_tourist_photos_register_upright(tmp_path):
         assert down[1] > 0
     centres = [view.camera.centre.numpy() for view in scene.views]
     assert all(np.linalg.norm(a - b) > 0.1 for a, b in pairwise(centres))
+
+
+def test_transparent_columns_are_kept_as_not_opaque(made):
+    folder, scene, _ = made
+    found = list((folder / "scene" / "given" / "is_opaque").iterdir())
+    assert [path.name for path in found] == ["photo_4.png"]
+    view = next(view for view in scene.views if view.name == "photo_4")
+    columns = read_mask(found[0], view.width, view.height).mean(axis=0)
+    edge = TRANSPARENT_COLUMNS * view.width / SIZE[0]
+    # Undistorting moves the edge by a few pixels at most.
+    assert columns[: int(edge) - 4].max() < 0.5
+    assert columns[int(edge) + 5 :].min() > 0.5

@@ -24,7 +24,7 @@ def test_page_of_a_good_scene(made):
     found = facts(made)
     assert found["photos"] == "4 (3 training, 1 test)"
     assert found["sizes"] == "64x48 px (4)"
-    assert found["registered"] == "cameras came with the data"
+    assert found["registered"] == "4 of 4"
     assert found["sessions"] == "3: 01-08_07_30 (2), 02-08_12_00 (1), 03-08_18_00 (1)"
     assert found["sky masks"] == "4 given; cover 33% (33% to 33%)"
     assert found["polarity"] == "4 upright"

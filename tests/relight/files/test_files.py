@@ -182,3 +182,56 @@ def test_files_that_are_none_of_ours_are_told(tmp_path):
     (tmp_path / "lights.json").write_text('{"coordinates": "scene", "fotos": {}}')
     with pytest.raises(InputError, match="fotos"):
         read_ply(tmp_path / "good.ply")
+
+
+def retold(data: bytes, change) -> bytes:
+    """A PLY file with another header."""
+    header, end, rows = data.partition(b"end_header\n")
+    return change(header + end) + rows
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda head: head.replace(b"element", b"comment made by a viewer\nelement"),
+        lambda head: head.replace(b"element", b"obj_info num_cols 1\nelement"),
+        lambda head: head.replace(b"\n", b"\r\n"),
+        lambda head: head.replace(b" float ", b" float32 ").replace(b" uchar ", b" uint8 "),
+    ],
+)
+def test_other_programs_headers_change_nothing(tmp_path, change):
+    path = tmp_path / "a.ply"
+    write_ply(path, two(), baked(), HERE, relightable=True)
+    expected = read_ply(path)
+    path.write_bytes(retold(path.read_bytes(), change))
+    found = read_ply(path)
+    for field in fields(Relightable):
+        value = getattr(found, field.name)
+        if isinstance(value, torch.Tensor):
+            assert torch.equal(value, getattr(expected, field.name))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        (b"comment r3gw light_degree 4\n", b"", r"key 'light_degree' is missing"),
+        (b"light_degree 4", b'light_degree "four"', r"key 'light_degree' has the value 'four'"),
+        (b"light_degree 4", b"light_degree {4", r"not a PLY file of Gaussians"),
+        (b"comment r3gw", b"comment not", r"lacks r3gw's comments in the header"),
+        (b"float albedo_1", b"float albedo_x", r"lacks r3gw's property albedo_1"),
+        (b"float rot_3", b"float rot_4", r"lacks r3gw's property rot_3"),
+    ],
+)
+def test_damaged_headers_are_refused(tmp_path, old, new, sentence):
+    path = tmp_path / "a.ply"
+    write_ply(path, two(), baked(), HERE, relightable=True)
+    path.write_bytes(retold(path.read_bytes(), lambda head: head.replace(old, new)))
+    with pytest.raises(InputError, match=sentence):
+        read_ply(path)
+
+
+def test_values_that_are_no_numbers_are_refused(tmp_path):
+    gaussians = replace(two(), means=torch.tensor([[1.0, float("nan"), 3.0], [0.0, -9.0, 0.5]]))
+    write_ply(tmp_path / "a.ply", gaussians, baked(), HERE, relightable=True)
+    with pytest.raises(InputError, match="holds NaN or infinite values; export the scene again"):
+        read_ply(tmp_path / "a.ply")

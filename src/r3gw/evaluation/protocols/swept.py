@@ -6,10 +6,10 @@ from math import pi
 import numpy as np
 from jaxtyping import Bool, Float
 
-from r3gw.evaluation.bench import Bench
 from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
 from r3gw.evaluation.protocols.published import at_sun_angle, published_light
+from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.imaging.colour import GAMMA
 from r3gw.lighting.light import Light
 from r3gw.model.lights import learned_strength
@@ -24,22 +24,28 @@ class NerfOsr(ViewProtocol):
     """The published NeRF-OSR protocol: the session's LDR map, turned to the best of 51 angles.
 
     The angle is an oracle choice: it maximises the masked PSNR against the test photo itself.
-    The map is mirrored as published (data.md E), values are not linearised, the sky is white.
+    The map is mirrored as published (`r3gw.lighting.envmap.published_directions`), its values are
+    not made linear, the sky is white.
     """
 
     name = "nerf-osr"
     version = 1
     is_oracle = True
+    split = "test"
+    needs = ("evaluation",)
+    suffix = ""
+    title = "published angles, the best chosen by an oracle"
+    light_title = "nerf-osr"
+    rank = 2
+    gain_column: str | None = "sweep_gain_psnr"
+    is_pictured = True
+    study_metrics: tuple[str, ...] = ("psnr", "ssim")
 
-    def covers(self, view: View) -> bool:
-        """Test views that come with an environment map."""
-        return view.split == "test" and view.evaluation is not None
-
-    def evaluate(self, bench: Bench, view: View) -> Outcome:
+    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
         """Sweep the sun, keep the best angle; the whole curve is in the figures."""
         assert view.evaluation is not None  # covers() holds
         angles_rad = np.linspace(*view.evaluation.sun_angles_rad, NUM_SUN_ANGLES)
-        return _swept(bench, view, view.evaluation, angles_rad)
+        return _swept(trained, view, view.evaluation, angles_rad)
 
 
 class FullYaw(NerfOsr):
@@ -49,14 +55,19 @@ class FullYaw(NerfOsr):
     """
 
     name = "full-yaw"
-    version = 1
-    is_oracle = True
+    suffix = "_full_yaw"
+    title = "whole circle, the best angle chosen by an oracle"
+    light_title = "full-yaw"
+    rank = 3
+    gain_column = "full_yaw_gain_psnr"
+    is_pictured = False
+    study_metrics = ()
 
-    def evaluate(self, bench: Bench, view: View) -> Outcome:
+    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
         """Sweep the sun around the circle, keep the best angle."""
         assert view.evaluation is not None  # covers() holds
         angles_rad = np.linspace(-pi, pi, NUM_CIRCLE_ANGLES, endpoint=False)
-        return _swept(bench, view, view.evaluation, angles_rad)
+        return _swept(trained, view, view.evaluation, angles_rad)
 
 
 class NerfOsrLinear(NerfOsr):
@@ -68,30 +79,35 @@ class NerfOsrLinear(NerfOsr):
     """
 
     name = "nerf-osr-linear"
-    version = 1
-    is_oracle = True
+    suffix = "_linear"
+    title = "linear maps, angle and exposure by an oracle"
+    light_title = "nerf-osr-linear"
+    rank = 4
+    gain_column = None
+    is_pictured = False
+    study_metrics = ("psnr",)
 
-    def evaluate(self, bench: Bench, view: View) -> Outcome:
+    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
         """Sweep the sun, keep the best angle and exposure; ``exposure`` is relative to the map."""
         assert view.evaluation is not None  # covers() holds
-        given = published_light(bench, view, view.evaluation, is_linear=True)
+        given = published_light(trained, view, view.evaluation, is_linear=True)
         # Clamped pictures tell no exposure, so begin where those of the training photos are.
-        start = learned_strength(bench.model) / float(given[0].mean())
+        start = learned_strength(trained.model) / float(given[0].mean())
         angles_rad = np.linspace(*view.evaluation.sun_angles_rad, NUM_SUN_ANGLES)
         lights = [at_sun_angle(start * given, angle) for angle in angles_rad]
-        photo, is_scored = bench.photo(view), bench.is_scored(view)
+        photo, is_scored = trained.photo(view), trained.is_scored(view)
         curve = []
         for light in lights:
-            picture = bench.render(view, Light(light))
+            picture = trained.render(view, Light(light))
             fitted = np.clip(_display_factor(picture, photo, is_scored) * picture, 0.0, 1.0)
             curve.append(masked_psnr(fitted, photo, is_scored, view.name))
         best = int(np.argmax(curve))
         gain = 1.0
         for _ in range(NUM_EXPOSURE_STEPS):
-            picture = bench.render(view, Light(gain * lights[best]))
+            picture = trained.render(view, Light(gain * lights[best]))
             gain *= _display_factor(picture, photo, is_scored) ** GAMMA
         chosen = Light(gain * lights[best])
-        picture = bench.render(view, chosen)
+        picture = trained.render(view, chosen)
         figures = {
             **asdict(score(picture, photo, is_scored, view.name)),
             "angle_rad": float(angles_rad[best]),
@@ -103,20 +119,23 @@ class NerfOsrLinear(NerfOsr):
 
 
 def _swept(
-    bench: Bench, view: View, entry: EvaluationEntry, angles_rad: Float[np.ndarray, "angles"]
+    trained: TrainedScene,
+    view: View,
+    entry: EvaluationEntry,
+    angles_rad: Float[np.ndarray, "angles"],
 ) -> Outcome:
     """The view at the sun angle whose masked PSNR against the test photo is best."""
-    first = published_light(bench, view, entry)
-    photo, is_scored = bench.photo(view), bench.is_scored(view)
+    first = published_light(trained, view, entry)
+    photo, is_scored = trained.photo(view), trained.is_scored(view)
     curve = [
         masked_psnr(
-            bench.render(view, Light(at_sun_angle(first, angle))), photo, is_scored, view.name
+            trained.render(view, Light(at_sun_angle(first, angle))), photo, is_scored, view.name
         )
         for angle in angles_rad
     ]
     best = int(np.argmax(curve))
     light = Light(at_sun_angle(first, angles_rad[best]))
-    picture = bench.render(view, light)
+    picture = trained.render(view, light)
     figures = {
         **asdict(score(picture, photo, is_scored, view.name)),
         "angle_rad": float(angles_rad[best]),

@@ -1,1 +1,1 @@
-"""One reader per format of posed photos: COLMAP, nerfstudio, NeRF-OSR in two layouts."""
+"""One reader per format: COLMAP, nerfstudio, NeRF-OSR in two layouts, anybody's photos."""

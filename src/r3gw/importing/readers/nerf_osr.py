@@ -1,29 +1,34 @@
-"""Reader of NeRF-OSR scenes as LumiGauss prepared them, and of our synthetic ones (data.md A)."""
+"""Reader of NeRF-OSR scenes as LumiGauss prepared them, and of the embedded benchmark's own."""
 
-import logging
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from r3gw.files import InputError
-from r3gw.geometry.cameras import Camera
-from r3gw.importing.evaluation_config import read_evaluation
+from r3gw.importing.evaluation_config import evaluated_views, read_evaluation
 from r3gw.importing.folders import (
     evaluation_with_mask,
+    mask_files,
     masks_beside,
+    masks_of,
+    photos_named,
     require_training_views,
     session_of,
 )
-from r3gw.importing.named_files import key_of, listed, pictures_by_key
-from r3gw.importing.readers.colmap_model import read_model
-from r3gw.importing.source import SourceMask, SourceScene, SourceView
+from r3gw.importing.named_files import listed, pictures_below, pictures_by_key
+from r3gw.importing.reader import Effort, Reader
+from r3gw.importing.readers.colmap_model import model_suffix, read_model
+from r3gw.importing.reconstruction.triangulate import with_points
+from r3gw.importing.settings import NerfOsrScene, SyntheticScene
+from r3gw.importing.source import SourceScene, SourceView
 from r3gw.importing.split import SplitLine, find_split_file, read_split
 from r3gw.scene import GroundTruth
+from r3gw.scene.names import ByPhoto, stem_of
 from r3gw.scene.scene import Row3
 
-_LOG = logging.getLogger(__name__)
 _EXTENSIONS = ("albedo", "normal", "depth")
 
 
@@ -38,68 +43,135 @@ class _TruthFile(BaseModel):
     views: dict[str, _TruthView]
 
 
-def read_layout_a(source: Path) -> SourceScene:
-    """Read ``source/undistorted``, ``source/eval_files`` and ``source/ground_truth``.
+class NerfOsrReader(Reader[SyntheticScene | NerfOsrScene]):
+    """``undistorted/``, ``eval_files/`` and, of the embedded benchmark, ``ground_truth/``."""
+
+    @property
+    def _undistorted(self) -> Path:
+        return self.source / "undistorted"
+
+    @property
+    def _model(self) -> Path:
+        return self._undistorted / "sparse" / "0"
+
+    def _pictures(self) -> dict[str, Path]:
+        """Photos by path; each must have a stem of its own, for its masks."""
+        folder = self._undistorted / "images"
+        pictures_by_key(folder)
+        return pictures_below(folder)
+
+    def missing(self, given: Collection[str] = ()) -> list[str]:
+        """Model, photos of the split list, masks and entries that the settings ask for."""
+        if not self._undistorted.is_dir():
+            return ["undistorted/"]
+        model = "undistorted/sparse/0/{cameras,images,points3D}.bin or .txt"
+        missing = [] if model_suffix(self._model) else [model]
+        lines = read_split(find_split_file(self._undistorted))
+        pictures = self._pictures()
+        found = photos_named(lines, pictures, self._undistorted)
+        missing += [f"undistorted/images/{name}" for name in lines if name not in found]
+        if "is_sky" in given:
+            folder = self._undistorted / "sky_masks"
+            masks = ByPhoto(mask_files(folder), list(lines), str(folder))
+            missing += [f"undistorted/sky_masks/{stem_of(n)}.png" for n in lines if n not in masks]
+        missing += self.missing_evaluation()
+        if isinstance(self.settings, NerfOsrScene):
+            missing += self._missing_of_evaluated(self.settings.evaluated_views, pictures)
+        return missing
+
+    def _missing_of_evaluated(self, views: list[str], pictures: Mapping[str, Path]) -> list[str]:
+        evaluated = evaluated_views(self.source / "eval_files")
+        stems = {stem_of(path).lower() for path in pictures}
+        missing = []
+        for view in views:
+            if stem_of(view).lower() not in stems:
+                missing.append(f"undistorted/images/{view}.jpg")
+            if stem_of(view).lower() not in evaluated:
+                missing.append(f"entry of {view} in eval_files/test_config.py")
+        return missing
+
+    def read(self, effort: Effort) -> SourceScene:
+        """The photos that have a camera and a line in the split list."""
+        if not self._undistorted.is_dir():
+            raise InputError(
+                f"{self.source}: no folder 'undistorted' here; see docs/data.md for the layout"
+            )
+        pictures = self._pictures()
+        split_file = find_split_file(self._undistorted)
+        lines = read_split(split_file)
+        model = read_model(self._model)
+        model.require_pinhole(self._model)
+        by_line = _photos_of_list(lines, pictures, split_file)
+        by_model = photos_named(model.cameras, pictures, self._model)
+        cameras = {path: model.cameras[name] for name, path in by_model.items()}
+        splits = {path: lines[name].split for name, path in by_line.items()}
+        chosen = sorted(set(splits) & set(cameras))
+        require_training_views((splits[path] for path in chosen), split_file)
+        masks = masks_beside(self._undistorted, list(pictures))
+        eval_masks = ByPhoto(
+            mask_files(self.source / "eval_files" / "eval_mask"), list(pictures), "eval_mask"
+        )
+        evaluation = ByPhoto(
+            read_evaluation(self.source / "eval_files"), chosen, "eval_files/test_config.py"
+        )
+        truth = ByPhoto(_ground_truth(self.source / "ground_truth"), chosen, "ground_truth.json")
+        views = [
+            SourceView(
+                path=path,
+                photo=pictures[path],
+                camera=cameras[path],
+                split=splits[path],
+                session=session_of(path),
+                masks=masks_of(masks, path),
+                evaluation=evaluation_with_mask(evaluation.get(path), eval_masks.get(path)),
+                truth=truth.get(path),
+            )
+            for path in chosen
+        ]
+        points, triangulated = with_points(views, model.points, self.source, effort)
+        unknown = "test_config.py has entries for views not in the scene: "
+        return SourceScene(
+            tuple(views),
+            points,
+            turn=np.eye(3),
+            left_out=_left_out(pictures, splits, cameras, split_file),
+            notes=(
+                *triangulated,
+                *((unknown + listed(evaluation.unused),) if evaluation.unused else ()),
+            ),
+        )
+
+
+def _photos_of_list(
+    lines: Mapping[str, SplitLine], pictures: Mapping[str, Path], split_file: Path
+) -> dict[str, str]:
+    """The picture of every line.
 
     Raises:
-        InputError: On a missing file, a wrong size or an unreadable value; names it.
+        InputError: If a line's photo is not there.
     """
-    undistorted = source / "undistorted"
-    if not undistorted.is_dir():
-        raise InputError(f"{source}: no folder 'undistorted' here; see config/README.md for layout")
-    photos = pictures_by_key(undistorted / "images")
-    split_file = find_split_file(undistorted)
-    splits = read_split(split_file)
-    model = read_model(undistorted / "sparse" / "0")
-    model.require_pinhole(undistorted / "sparse" / "0")
-    cameras = {key_of(name): camera for name, camera in model.cameras.items()}
-    if len(cameras) < len(model.cameras):
-        raise InputError(f"{undistorted / 'sparse' / '0'}: two images share a stem; rename one")
-    chosen = _chosen(photos, splits, cameras, split_file)
-    masks = masks_beside(undistorted)
-    eval_masks = pictures_by_key(source / "eval_files" / "eval_mask")
-    masks["eval"] = {key: SourceMask(path) for key, path in eval_masks.items()}
-    evaluation = read_evaluation(source / "eval_files")
-    truth = _ground_truth(source / "ground_truth")
-    if unknown := set(evaluation) - set(chosen):
-        _LOG.warning("test_config.py has entries for views not in the scene: %s", listed(unknown))
-    views = []
-    for key in chosen:
-        name = photos[key].stem
-        views.append(
-            SourceView(
-                name=name,
-                photo=photos[key],
-                camera=cameras[key],
-                split=splits[key].split,
-                session=session_of(name),
-                masks={kind: files[key] for kind, files in masks.items() if key in files},
-                evaluation=evaluation_with_mask(evaluation.get(key), masks["eval"].get(key)),
-                truth=truth.get(key),
-            )
-        )
-    return SourceScene(tuple(views), model.points)
-
-
-def _chosen(
-    photos: Mapping[str, Path],
-    splits: Mapping[str, SplitLine],
-    cameras: Mapping[str, Camera],
-    split_file: Path,
-) -> list[str]:
-    """Keys of the views that have a photo, a camera and a split."""
-    if missing := [line.filename for key, line in splits.items() if key not in photos]:
+    found = photos_named(lines, pictures, split_file)
+    if missing := [line.filename for name, line in lines.items() if name not in found]:
         raise InputError(
             f"{split_file}: names photos that are not in images/ ({listed(missing)}); "
             "put them there or take them out of the list"
         )
-    if unposed := [line.filename for key, line in splits.items() if key not in cameras]:
-        _LOG.warning("left out, not in the COLMAP model: %s", listed(unposed))
-    if unlisted := [photos[key].name for key in cameras if key in photos and key not in splits]:
-        _LOG.warning("left out, not in %s: %s", split_file.name, listed(unlisted))
-    chosen = sorted(set(splits) & set(cameras))
-    require_training_views((splits[key].split for key in chosen), split_file)
-    return chosen
+    return found
+
+
+def _left_out(
+    pictures: Mapping[str, Path],
+    splits: Mapping[str, object],
+    cameras: Mapping[str, object],
+    split_file: Path,
+) -> dict[str, str]:
+    reasons = {}
+    for path in pictures:
+        if path not in splits:
+            reasons[path] = f"not in {split_file.name}"
+        elif path not in cameras:
+            reasons[path] = "not in the COLMAP model"
+    return reasons
 
 
 def _ground_truth(folder: Path) -> dict[str, GroundTruth]:
@@ -107,13 +179,13 @@ def _ground_truth(folder: Path) -> dict[str, GroundTruth]:
     if not path.is_file():
         return {}
     try:
-        content = _TruthFile.model_validate_json(path.read_text())
+        content = _TruthFile.model_validate_json(path.read_bytes())
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
         raise InputError(f"{path}: key '{key}': {first['msg']}") from None
     return {
-        key_of(name): GroundTruth(
+        name: GroundTruth(
             exposure=view.exposure,
             white_balance=view.white_balance,
             env_map=str(folder / "envmaps" / f"{view.session}.exr"),

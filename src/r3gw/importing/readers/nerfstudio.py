@@ -4,187 +4,169 @@ Its cameras look along -z with y up (OpenGL), and its world has z up; intrinsics
 COLMAP (pixel centres at +0.5).
 """
 
-import logging
-from math import tan
-from pathlib import Path
+from collections.abc import Collection, Mapping
+from pathlib import Path, PurePosixPath
 
 import numpy as np
-import pycolmap
 from numpy.typing import NDArray
-from pydantic import BaseModel, ValidationError
 
 from r3gw.files import InputError
 from r3gw.imaging.files import LDR_SUFFIXES
 from r3gw.importing.evaluation_config import read_evaluation
-from r3gw.importing.folders import masks_beside, require_training_views, session_of, split_beside
-from r3gw.importing.lens import is_pinhole
-from r3gw.importing.named_files import key_of, listed
-from r3gw.importing.posed import cam_from_world, camera_without_lens, picture_size
+from r3gw.importing.folders import (
+    masks_beside,
+    masks_of,
+    require_training_views,
+    session_of,
+    split_beside,
+)
+from r3gw.importing.named_files import listed, pictures_below
+from r3gw.importing.posed import camera_of, pose_from_matrix
+from r3gw.importing.reader import Effort, Reader
 from r3gw.importing.readers.ply_points import read_ply_points
+from r3gw.importing.readers.transforms import (
+    Frame,
+    Transforms,
+    lens_of,
+    named_files,
+    read_transforms,
+    split_names,
+    unread_keys,
+)
 from r3gw.importing.reconstruction.triangulate import triangulated_points
-from r3gw.importing.source import MaskKind, SourceMask, SourceScene, SourceView
+from r3gw.importing.settings import NerfstudioScene
+from r3gw.importing.source import SourceMask, SourceScene, SourceView
 from r3gw.importing.split import Split
+from r3gw.scene.names import ByPhoto, key_of, normalised
 
 # scene (up -y) from nerfstudio's world (up z); the same turn that its COLMAP import takes back.
 UPRIGHT_FROM_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _OPENCV_FROM_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
-_LOG = logging.getLogger(__name__)
 
 
-class _Lens(BaseModel):
-    """Intrinsics, at the top of the file or of one frame."""
+class NerfstudioReader(Reader[NerfstudioScene]):
+    """transforms.json with its photos, masks and points; points are triangulated if absent."""
 
-    camera_model: str | None = None
-    camera_angle_x: float | None = None
-    fl_x: float | None = None
-    fl_y: float | None = None
-    cx: float | None = None
-    cy: float | None = None
-    w: float | None = None
-    h: float | None = None
-    k1: float = 0.0
-    k2: float = 0.0
-    k3: float = 0.0
-    k4: float = 0.0
-    p1: float = 0.0
-    p2: float = 0.0
+    @property
+    def _file(self) -> Path:
+        return self.source / "transforms.json"
 
+    def missing(self, given: Collection[str] = ()) -> list[str]:  # noqa: ARG002
+        """Photos, masks and the point cloud that the file names."""
+        if not self._file.is_file():
+            return ["transforms.json"]
+        transforms = read_transforms(self._file)
+        photos = [frame.file_path for frame in transforms.frames]
+        missing = [name for name in photos if not _photo_of(self.source, name).is_file()]
+        named = named_files(transforms)
+        missing += [name for name in named if not (self.source / normalised(name)).is_file()]
+        return missing + self.missing_evaluation()
 
-class _Frame(_Lens):
-    file_path: str
-    transform_matrix: list[list[float]]
-    mask_path: str | None = None
-
-
-class Transforms(_Lens):
-    """What r3gw reads of transforms.json; other keys are ignored."""
-
-    frames: list[_Frame]
-    ply_file_path: str | None = None
-    train_filenames: list[str] | None = None
-    test_filenames: list[str] | None = None
-
-
-def read_transforms(source: Path) -> Transforms:
-    """Read ``source/transforms.json``.
-
-    Raises:
-        InputError: If it is missing, no JSON, or a value is missing or of the wrong kind.
-    """
-    path = source / "transforms.json"
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; a nerfstudio folder holds it beside its photos")
-    try:
-        return Transforms.model_validate_json(path.read_bytes())
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"]) or "(whole file)"
-        raise InputError(f"{path}: key '{key}': {first['msg']}; correct the file") from None
-
-
-def read_nerfstudio(source: Path, *, num_threads: int, seed: int) -> SourceScene:
-    """Read transforms.json with its photos, masks and points; points are triangulated if absent.
-
-    Raises:
-        InputError: On a missing file, a wrong size or an unreadable value; names it.
-    """
-    transforms = read_transforms(source)
-    splits = _splits(transforms, source)
-    evaluation = read_evaluation(source / "eval_files")
-    beside = masks_beside(source)
-    views: dict[str, SourceView] = {}
-    for frame in transforms.frames:
-        photo = photo_of(source, frame.file_path)
-        key = key_of(photo.name)
-        if key in views:
-            raise InputError(
-                f"{photo}: has the same stem as {views[key].photo.name}, but views are told apart "
-                "by stem; rename or remove one of the two"
-            )
-        if key not in splits:
-            continue
-        masks: dict[MaskKind, SourceMask] = {k: m[key] for k, m in beside.items() if key in m}
-        if frame.mask_path is not None:
-            masks["is_valid"] = SourceMask(source / frame.mask_path)
-        lens = _lens(frame, transforms, photo)
-        views[key] = SourceView(
-            name=photo.stem,
-            photo=photo,
-            camera=camera_without_lens(_pose(frame, photo), lens, str(photo)),
-            split=splits[key],
-            session=session_of(photo.stem),
-            masks=masks,
-            evaluation=evaluation.get(key),
-            lens=None if is_pinhole(lens) else lens,
+    def read(self, effort: Effort) -> SourceScene:
+        """The photos of all frames that are in a split."""
+        transforms = read_transforms(self._file)
+        frames = self._frames(transforms)
+        splits = self._splits(transforms, list(frames))
+        beside = masks_beside(self.source, list(frames))
+        evaluation = ByPhoto(
+            read_evaluation(self.source / "eval_files"), list(frames), "test_config.py"
         )
-    require_training_views((view.split for view in views.values()), source / "transforms.json")
-    ordered = tuple(views[key] for key in sorted(views))
-    if transforms.ply_file_path is not None:
-        return SourceScene(ordered, read_ply_points(source / transforms.ply_file_path))
-    points = triangulated_points(ordered, source, num_threads=num_threads, seed=seed)
-    return SourceScene(ordered, points)
+        views = []
+        for path, (frame, photo) in frames.items():
+            if path not in splits:
+                continue
+            masks = masks_of(beside, path)
+            if frame.mask_path is not None:
+                masks["is_valid"] = SourceMask(self.source / normalised(frame.mask_path))
+            lens = lens_of(frame, transforms, photo, self._file)
+            views.append(
+                SourceView(
+                    path=path,
+                    photo=photo,
+                    camera=camera_of(_pose(frame, photo), lens, str(photo)),
+                    split=splits[path],
+                    session=session_of(path),
+                    masks=masks,
+                    evaluation=evaluation.get(path),
+                    lens=None if lens.is_pinhole else lens,
+                )
+            )
+        require_training_views((view.split for view in views), self._file)
+        ordered = tuple(sorted(views, key=lambda view: view.path))
+        if transforms.ply_file_path is not None:
+            points = read_ply_points(self.source / normalised(transforms.ply_file_path))
+        else:
+            points = triangulated_points(ordered, self.source, effort)
+        unread = unread_keys(transforms)
+        note = f"keys of transforms.json that r3gw does not know: {listed(unread)}"
+        return SourceScene(
+            ordered,
+            points,
+            turn=UPRIGHT_FROM_Z_UP if self.settings.up == "given" else None,
+            left_out=self._left_out(frames, splits),
+            notes=(note,) if unread else (),
+        )
+
+    def _frames(self, transforms: Transforms) -> dict[str, tuple[Frame, Path]]:
+        """Every frame and its photo, by the photo's path below the scene's folder."""
+        frames: dict[str, tuple[Frame, Path]] = {}
+        keys: dict[str, Path] = {}
+        for frame in transforms.frames:
+            photo = _photo_of(self.source, frame.file_path)
+            path = normalised(_below(photo, self.source))
+            if (other := keys.setdefault(key_of(path), photo)) != photo or path in frames:
+                raise InputError(
+                    f"{photo}: has the same stem as {other.name} in the same folder, or is in "
+                    "transforms.json twice; rename or remove one of the two"
+                )
+            frames[path] = frame, photo
+        return frames
+
+    def _splits(self, transforms: Transforms, photos: list[str]) -> Mapping[str, Split]:
+        """The file's own lists, else a ``*_split.csv``, else all for training."""
+        names = split_names(transforms)
+        if names is None:
+            return split_beside(self.source, photos)
+        splits: dict[str, Split] = {}
+        for split in ("train", "test"):
+            listed_ones = ByPhoto(
+                {normalised(name): name for name in names[split]}, photos, str(self._file)
+            )
+            splits |= {photo: split for photo in photos if photo in listed_ones}
+        return splits
+
+    def _left_out(
+        self, frames: Mapping[str, tuple[Frame, Path]], splits: Mapping[str, Split]
+    ) -> dict[str, str]:
+        """Frames outside the split, and pictures in the photos' folders that no frame names."""
+        reasons = {path: "in neither list of the split" for path in frames if path not in splits}
+        used = {photo.resolve() for _, photo in frames.values()}
+        for folder in sorted({photo.parent for _, photo in frames.values()}):
+            for file in pictures_below(folder).values() if folder != self.source else ():
+                if file.parent == folder and file.resolve() not in used:
+                    reasons[normalised(_below(file, self.source))] = "not in transforms.json"
+        return reasons
 
 
-def photo_of(source: Path, file_path: str) -> Path:
+def _photo_of(source: Path, file_path: str) -> Path:
     """The photo that a frame names; its suffix may be left out. It need not exist."""
-    written = source / file_path
+    written = source / PurePosixPath(file_path.replace("\\", "/"))
     endings = ("", *LDR_SUFFIXES, *(suffix.upper() for suffix in LDR_SUFFIXES))
-    candidates = [written.with_name(written.name + ending) for ending in endings]
+    candidates = [written.with_name(written.name + ending) for ending in endings if written.name]
     return next((path for path in candidates if path.is_file()), written)
 
 
-def _splits(transforms: Transforms, source: Path) -> dict[str, Split]:
-    """The split by key: the file's own lists, else a ``*_split.csv``, else all for training."""
-    names = [frame.file_path for frame in transforms.frames]
-    if transforms.train_filenames is None:
-        return split_beside(source, names)
-    splits: dict[str, Split] = {key_of(name): "train" for name in transforms.train_filenames}
-    splits |= {key_of(name): "test" for name in transforms.test_filenames or ()}
-    if left := [name for name in names if key_of(name) not in splits]:
-        _LOG.warning("left out, in neither train_filenames nor test_filenames: %s", listed(left))
-    return splits
+def _below(path: Path, folder: Path) -> str:
+    """A path relative to a folder, or, of a file elsewhere, as it is but for its root."""
+    if path.is_relative_to(folder):
+        return path.relative_to(folder).as_posix()
+    return path.as_posix().lstrip("/").replace("../", "")
 
 
-def _pose(frame: _Frame, photo: Path) -> NDArray[np.float64]:
+def _pose(frame: Frame, photo: Path) -> NDArray[np.float64]:
     rows = frame.transform_matrix
     if len(rows) not in (3, 4) or any(len(row) != 4 for row in rows):
         raise InputError(f"{photo}: 'transform_matrix' is not 4x4; correct transforms.json")
-    world_from_opengl = np.array([*rows[:3], [0.0, 0.0, 0.0, 1.0]])
-    return cam_from_world(world_from_opengl @ _OPENCV_FROM_OPENGL, str(photo))
-
-
-def _lens(frame: _Frame, transforms: Transforms, photo: Path) -> pycolmap.Camera:
-    """A frame's camera; what the frame does not state is taken from the top of the file."""
-    stated = transforms.model_dump(exclude_unset=True) | frame.model_dump(exclude_unset=True)
-    values = _Lens.model_validate(stated)
-    size = (values.w, values.h) if values.w and values.h else picture_size(photo)
-    width, height = (round(side) for side in size)
-    fx = values.fl_x
-    if fx is None and values.camera_angle_x is not None:
-        fx = 0.5 * width / tan(0.5 * values.camera_angle_x)
-    if fx is None:
-        raise InputError(f"{photo}: transforms.json states no focal length (fl_x); add it")
-    cx = 0.5 * width if values.cx is None else values.cx
-    cy = 0.5 * height if values.cy is None else values.cy
-    model, distortion = _distortion(values, photo)
-    parameters = [fx, fx if values.fl_y is None else values.fl_y, cx, cy, *distortion]
-    return pycolmap.Camera(model=model, width=width, height=height, params=parameters)
-
-
-def _distortion(values: _Lens, photo: Path) -> tuple[str, list[float]]:
-    """COLMAP's camera model and the parameters behind its first four."""
-    radial = [values.k1, values.k2, values.k3, values.k4]
-    tangential = [values.p1, values.p2]
-    model = values.camera_model or "OPENCV"
-    if model == "OPENCV_FISHEYE":
-        return model, radial
-    if model not in ("OPENCV", "PINHOLE", "SIMPLE_PINHOLE"):
-        raise InputError(
-            f"{photo}: transforms.json has the camera model {model}, but r3gw reads OPENCV, "
-            "OPENCV_FISHEYE and PINHOLE; convert the photos to one of them"
-        )
-    if model != "OPENCV" or not any(radial + tangential):
-        return "PINHOLE", []
-    if values.k3 or values.k4:
-        return "FULL_OPENCV", [*radial[:2], *tangential, *radial[2:], 0.0, 0.0]
-    return "OPENCV", [*radial[:2], *tangential]
+    last = rows[3] if len(rows) == 4 else [0.0, 0.0, 0.0, 1.0]
+    world_from_opengl = np.array([*rows[:3], last])
+    return pose_from_matrix(world_from_opengl @ _OPENCV_FROM_OPENGL, str(photo))

@@ -1,7 +1,7 @@
 """What structure from motion made of the photos: how many registered, and why others did not."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,13 +9,14 @@ import numpy as np
 import pycolmap
 
 from r3gw.importing.gauge import roll_deg, up_direction
-from r3gw.importing.named_files import listed
-from r3gw.importing.source import SourceScene
+from r3gw.importing.reconstruction.prepared import PreparedPhoto
+from r3gw.importing.source import SourceView
 
 ADVICE = (
     "take more photos of the same place with more overlap (each part of it in three or more), "
     "or remove photos of other places"
 )
+LEAST_PHOTOS = 3  # that a scene needs
 _LOG = logging.getLogger(__name__)
 _FEW_FEATURES = 100
 _LEAST_INLIERS = 15  # of a pair that COLMAP's mapper uses
@@ -23,60 +24,72 @@ _LEAST_INLIERS = 15  # of a pair that COLMAP's mapper uses
 
 @dataclass(frozen=True)
 class Mapped:
-    """The outcome of incremental mapping; images are named ``<stem>.png``."""
+    """The outcome of incremental mapping; images are named as the prepared files.
+
+    Attributes:
+        chosen: The model with most photos.
+        others: The other models.
+        database: Features and matches.
+        matching: How pairs were chosen, and how many there were.
+    """
 
     chosen: pycolmap.Reconstruction
     others: Sequence[pycolmap.Reconstruction]
     database: Path
+    matching: str
 
 
-def registration_report(
-    photos: Mapping[str, Path], mapped: Mapped, found: SourceScene
+def lost_photos(photos: Sequence[PreparedPhoto], mapped: Mapped) -> dict[str, str]:
+    """Photos that are not in the chosen model, by path, each with the reason."""
+    registered = _names(mapped.chosen)
+    return {
+        photo.path: _reason(photo.file.name, mapped)
+        for photo in photos
+        if photo.file.name not in registered
+    }
+
+
+def registration_facts(
+    photos: Sequence[PreparedPhoto], mapped: Mapped, views: Sequence[SourceView]
 ) -> dict[str, object]:
-    """What registered and what did not, logged and for sfm_report.json.
+    """How good the model is, logged and for sfm_report.json.
 
     Args:
-        photos: The photos given, by key.
+        photos: The photos given.
         mapped: The models, of which the largest was chosen.
-        found: What was made of it.
+        views: What was made of it.
     """
-    registered = {view.name for view in found.views}
-    lost = {
-        path.name: reason
-        for path in sorted(photos.values())
-        if path.stem not in registered and (reason := _reason(path, mapped))
-    }
-    rotations = np.stack([view.camera.cam_from_world[:3, :3].numpy() for view in found.views])
+    rotations = np.stack([view.camera.cam_from_world[:3, :3].numpy() for view in views])
     rolls = roll_deg(rotations, up_direction(rotations))
     error = float(mapped.chosen.compute_mean_reprojection_error())
     _LOG.info(
-        "registered %d of %d photos, %d points, mean reprojection error %.2f px",
-        len(registered),
+        "registered %d of %d photos, %d points, mean reprojection error %.2f px (%s)",
+        len(views),
         len(photos),
-        len(found.points.xyz),
+        mapped.chosen.num_points3D(),
         error,
+        mapped.matching,
     )
-    if lost:
-        reasons = listed(f"{name}: {reason}" for name, reason in lost.items())
-        _LOG.warning("not registered, left out (%s); %s", reasons, ADVICE)
+    if len(views) < len(photos):
+        _LOG.warning("photos did not register; %s", ADVICE)
     return {
-        "photos": len(photos),
-        "registered": [view.name for view in found.views],
-        "not_registered": lost,
+        "matching": mapped.matching,
         "models": 1 + len(mapped.others),
-        "points": len(found.points.xyz),
         "mean_reprojection_error_px": round(error, 4),
         "roll_deg": {
-            view.name: round(float(roll), 2) for view, roll in zip(found.views, rolls, strict=True)
+            view.path: round(float(roll), 2) for view, roll in zip(views, rolls, strict=True)
         },
     }
 
 
-def _reason(photo: Path, mapped: Mapped) -> str:
+def _names(model: pycolmap.Reconstruction) -> set[str]:
+    return {str(image.name) for image in model.images.values() if image.has_pose}
+
+
+def _reason(name: str, mapped: Mapped) -> str:
     """Why a photo did not register."""
-    name = f"{photo.stem}.png"
     for model in mapped.others:
-        names = [image.name for image in model.images.values() if image.has_pose]
+        names = _names(model)
         if name in names:
             return f"belongs to another group of {len(names)} photos that does not connect"
     with pycolmap.Database.open(mapped.database) as database:

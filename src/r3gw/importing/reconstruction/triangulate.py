@@ -4,51 +4,67 @@ pycolmap does the work and the cameras stay as given. Pairs are chosen by pose, 
 some hundred photos take hours: every photo is matched with those next to it that look the same way.
 """
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pycolmap
+from numpy.typing import NDArray
 from tqdm import tqdm
 
 from r3gw.files import InputError
-from r3gw.imaging.files import read_rgb_as_stored, write_image
+from r3gw.imaging.files import write_image
 from r3gw.importing.lens import undistorted
-from r3gw.importing.readers.colmap_model import from_reconstruction
+from r3gw.importing.reader import Effort
+from r3gw.importing.reconstruction.copied import from_reconstruction
+from r3gw.importing.reconstruction.matching import match_pairs
 from r3gw.importing.reconstruction.pycolmap_log import quiet
-from r3gw.importing.source import SourceView
-from r3gw.scene import Points
+from r3gw.importing.source import SourcePoints, SourceView
+from r3gw.importing.stored import stored_photo
 
 _NEIGHBOURS = 20
 _LEAST_POINTS = 50
 
 
-def triangulated_points(
-    views: Sequence[SourceView], source: Path, *, num_threads: int, seed: int
-) -> Points:
+def with_points(
+    views: Sequence[SourceView], points: SourcePoints, source: Path, effort: Effort
+) -> tuple[SourcePoints, tuple[str, ...]]:
+    """``points``, or triangulated ones if there are none; and a sentence in that case.
+
+    Raises:
+        InputError: As `triangulated_points`.
+    """
+    if len(points.xyz):
+        return points, ()
+    found = triangulated_points(views, source, effort)
+    return found, (
+        f"the model has known cameras but no 3D points: {len(found.xyz)} were triangulated",
+    )
+
+
+def triangulated_points(views: Sequence[SourceView], source: Path, effort: Effort) -> SourcePoints:
     """Points that the photos of ``views`` share, in the source's frame.
 
     Args:
         views: Photos with their cameras; they are not changed.
         source: The dataset, for error messages.
-        num_threads: For features and matching.
-        seed: For the random sampling in the verification of matches.
+        effort: Where temporary files go, threads, and the seed for the verification of matches.
 
     Raises:
         InputError: If fewer than 50 points come out.
     """
-    with tempfile.TemporaryDirectory(prefix="r3gw-") as name, quiet():
-        work = Path(name)
+    work = effort.folder / "triangulation"
+    with quiet():
         for index, view in enumerate(tqdm(views, desc="reading photos", leave=False)):
-            photo = read_rgb_as_stored(view.photo)
+            photo = stored_photo(view)
             if view.lens is not None:
                 photo = undistorted(photo, view.lens)
             write_image(work / "photos" / _name(index), photo)
-        known = _enter(views, work, num_threads)
-        _match(views, work, num_threads, seed)
+        centre = _middle(views)
+        known = _enter(views, centre, work, effort.num_threads)
+        _match(views, work, effort)
         (work / "model").mkdir()
-        options = pycolmap.IncrementalPipelineOptions(num_threads=1, random_seed=seed)
+        options = pycolmap.IncrementalPipelineOptions(num_threads=1, random_seed=effort.seed)
         model = pycolmap.triangulate_points(
             known, work / "database.db", work / "photos", work / "model", options=options
         )
@@ -58,7 +74,8 @@ def triangulated_points(
                 f"photos, at least {_LEAST_POINTS} are needed; check that poses and intrinsics "
                 "belong to the photos, or import the photos alone as 'photos'"
             )
-        return from_reconstruction(model, source).points
+        found = from_reconstruction(model, source).points
+        return SourcePoints(found.xyz + centre, found.rgb)
 
 
 def neighbours(views: Sequence[SourceView], count: int = _NEIGHBOURS) -> list[tuple[int, int]]:
@@ -87,7 +104,16 @@ def _name(index: int) -> str:
     return f"{index:06d}.png"
 
 
-def _enter(views: Sequence[SourceView], work: Path, num_threads: int) -> pycolmap.Reconstruction:
+def _middle(views: Sequence[SourceView]) -> NDArray[np.float64]:
+    """The cameras' mean: positions are counted from there, since they may be millions of metres."""
+    centres = np.stack([view.camera.centre.numpy() for view in views])
+    middle: NDArray[np.float64] = centres.mean(axis=0)
+    return middle
+
+
+def _enter(
+    views: Sequence[SourceView], middle: NDArray[np.float64], work: Path, num_threads: int
+) -> pycolmap.Reconstruction:
     """Enter photos, cameras and features in a database; return the model of known poses."""
     path = work / "database.db"
     pycolmap.Database.open(path).close()
@@ -107,21 +133,15 @@ def _enter(views: Sequence[SourceView], work: Path, num_threads: int) -> pycolma
             entry = pycolmap.Image(
                 name=image.name, camera_id=image.camera_id, image_id=image.image_id
             )
-            pose = pycolmap.Rigid3d(view.camera.cam_from_world[:3].numpy())
+            matrix = view.camera.cam_from_world[:3].numpy().copy()
+            matrix[:, 3] += matrix[:, :3] @ middle
+            pose = pycolmap.Rigid3d(matrix)
             known.add_image_with_trivial_frame(entry, pose)
     extraction = pycolmap.FeatureExtractionOptions(num_threads=num_threads, use_gpu=False)
     pycolmap.extract_features(path, work / "photos", extraction_options=extraction)
     return known
 
 
-def _match(views: Sequence[SourceView], work: Path, num_threads: int, seed: int) -> None:
-    lines = [f"{_name(first)} {_name(second)}" for first, second in neighbours(views)]
-    (work / "pairs.txt").write_text("\n".join(lines) + "\n")
-    verification = pycolmap.TwoViewGeometryOptions()
-    verification.ransac.random_seed = seed
-    pycolmap.match_image_pairs(
-        work / "database.db",
-        matching_options=pycolmap.FeatureMatchingOptions(num_threads=num_threads, use_gpu=False),
-        pairing_options=pycolmap.ImportedPairingOptions(match_list_path=work / "pairs.txt"),
-        verification_options=verification,
-    )
+def _match(views: Sequence[SourceView], work: Path, effort: Effort) -> None:
+    names = [(_name(first), _name(second)) for first, second in neighbours(views)]
+    match_pairs(work / "database.db", names, effort)

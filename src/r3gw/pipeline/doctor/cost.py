@@ -12,9 +12,9 @@ class Measured:
     """One measured training and how its cost is shared out.
 
     Attributes:
-        ms_per_iteration: On one core, at ``gaussians`` and ``pixels``.
-        gaussians: Foreground and sky.
-        pixels: Of a photo.
+        ms_per_iteration: Time of an iteration on one core, at ``gaussians`` and ``pixels``.
+        gaussians: Number of Gaussians, foreground and sky.
+        pixels: Pixels of a photo.
         fixed_share, pixel_share: Shares of the time that are always needed, and that grow with
             pixels; the rest grows with Gaussians.
         base_mb: Memory that every training needs (10^6 bytes).
@@ -62,7 +62,7 @@ def predicted_cost(
     """Predict one training.
 
     Args:
-        iterations: Of the run.
+        iterations: How many iterations the run has.
         first_gaussians, last_gaussians: The number grows from one to the other, about linearly.
         pixels: Mean over the training photos.
         photo_pixels: Sum over the training photos.

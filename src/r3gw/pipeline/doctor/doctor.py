@@ -7,7 +7,6 @@ from pathlib import Path
 from r3gw.files import atomic_path, write_json
 from r3gw.files.strict import read_yaml
 from r3gw.model.initial import load_initial
-from r3gw.model.settings import TrainSettings
 from r3gw.pipeline.config import Config, load_config, run_settings
 from r3gw.pipeline.doctor.findings import Findings
 from r3gw.pipeline.doctor.imported import (
@@ -21,6 +20,7 @@ from r3gw.pipeline.doctor.pictures import up_picture
 from r3gw.pipeline.doctor.source import examine_source
 from r3gw.pipeline.doctor.training import SceneSize, describe_training
 from r3gw.scene import Scene, load_scene
+from r3gw.training.settings import TrainSettings
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import torch
 
-from r3gw.evaluation.bench import scored_pixels
 from r3gw.evaluation.metrics import EROSION_PX
 from r3gw.evaluation.protocols.published import published_turn_rad
+from r3gw.evaluation.trained_scene import scored_pixels
 from r3gw.files import InputError
 from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import UP, pixel_rays
@@ -62,7 +62,7 @@ def _sizes(views: Sequence[View]) -> str:
 def _registered(folder: Path) -> str:
     path = folder / "sfm_report.json"
     if not path.is_file():
-        return "cameras came with the data"
+        return "cameras came with the data"  # imported before every format had a report
     report = json.loads(path.read_text())
     lost = listed(report["not_registered"])
     found = f"{len(report['registered'])} of {report['photos']}"

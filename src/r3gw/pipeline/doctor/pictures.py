@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from r3gw.geometry.cameras import UP, Camera
 from r3gw.imaging.files import read_rgb
-from r3gw.reporting.figures.style import Cell, look, picture_grid, save
+from r3gw.reporting.figures.style import Cell, in_rows, look, picture_grid, save
 from r3gw.scene import View
+from r3gw.scene.selection import evenly
 
 _PHOTOS = 6
 _PER_ROW = 3
@@ -26,23 +27,19 @@ def up_picture(views: Sequence[View], scene_folder: Path, target: Path) -> None:
     """Draw arrows along the world's up into some photos and write them as one picture.
 
     Args:
-        views: Of the scene, at least one.
+        views: Views of the scene, at least one.
         scene_folder: Where their photos are.
         target: PNG to write.
 
     Raises:
         InputError: If a photo is unreadable.
     """
-    most = min(_PHOTOS, len(views))
-    chosen = [views[i] for i in np.unique(np.linspace(0, len(views) - 1, most).astype(int))]
+    chosen = evenly(views, _PHOTOS)
     cells = [
         Cell(_with_arrows(read_rgb(scene_folder / view.image), view.camera), view.name)
         for view in chosen
     ]
-    rows: list[list[Cell | None]] = []
-    for start in range(0, len(cells), _PER_ROW):
-        row = cells[start : start + _PER_ROW]
-        rows.append([*row, *[None] * (_PER_ROW - len(row))])
+    rows = in_rows(cells, _PER_ROW)
     titles = ["arrows: up in the scene's frame", "they must follow the building's verticals", ""]
     with look():
         figure = picture_grid(rows, titles, [""] * len(rows), cell_width_in=2.2)

@@ -5,16 +5,12 @@ from pathlib import Path
 from r3gw.benchmark.work import PLACES
 from r3gw.files import InputError
 from r3gw.importing.completeness import require_complete
-from r3gw.importing.evaluation_config import read_evaluation
-from r3gw.importing.folders import MASK_FOLDERS
-from r3gw.importing.named_files import pictures_by_key
-from r3gw.importing.settings import PhotosScene, SyntheticScene
+from r3gw.importing.formats import reader_of
+from r3gw.importing.settings import SyntheticScene
 from r3gw.masks.network import SegmentationNetwork
 from r3gw.masks.settings import MaskSources, chain
 from r3gw.pipeline.doctor.findings import Findings
 from r3gw.pipeline.scene_entry import SceneEntry
-
-_LEAST_PHOTOS = 3
 
 
 def examine_source(name: str, entry: SceneEntry) -> Findings:
@@ -49,24 +45,7 @@ def _examine_files(name: str, entry: SceneEntry, source: Path, findings: Finding
     findings.attempt(lambda: require_complete(name, entry.source, source, entry.given_masks))
     if len(findings.problems) > before:
         return
-    if isinstance(entry.source, PhotosScene):
-        if source.is_dir():
-            findings.attempt(lambda: _enough_photos(source, findings))
-        return
-    entries = findings.attempt(lambda: read_evaluation(source / "eval_files"))
-    if entries is not None:
-        findings.facts["views with an environment map"] = str(len(entries))
-
-
-def _enough_photos(source: Path, findings: Findings) -> None:
-    beside = tuple(name for name, _ in MASK_FOLDERS.values())
-    photos = pictures_by_key(source, without=beside)
-    findings.facts["photos"] = str(len(photos))
-    if len(photos) < _LEAST_PHOTOS:
-        found = "1 photo is" if len(photos) == 1 else f"{len(photos)} photos are"
-        raise InputError(
-            f"{source}: {found} here, but at least {_LEAST_PHOTOS} that overlap are needed"
-        )
+    findings.facts.update(findings.attempt(reader_of(entry.source, source).facts) or {})
 
 
 def _mask_sources(settings: MaskSources) -> None:

@@ -11,18 +11,18 @@ from pydantic import Field
 
 from r3gw.files import InputError
 from r3gw.files.strict import Strict, read_yaml, validated
-from r3gw.model.settings import TrainSettings
 from r3gw.pipeline.doctor.cost import Cost, predicted_cost, spoken_time
 from r3gw.pipeline.doctor.findings import Findings
+from r3gw.training.settings import TrainSettings
 
 
 class SceneSize(Strict):
     """What of a scene decides the cost of its trainings.
 
     Attributes:
-        foreground, sky: Initial Gaussians.
-        photos: Training photos.
-        photo_pixels: Of all of them together.
+        foreground, sky: How many Gaussians of each set training starts with.
+        photos: How many training photos there are.
+        photo_pixels: Pixels of all training photos together.
     """
 
     foreground: int = Field(ge=0)
@@ -52,8 +52,8 @@ def describe_training(size: SceneSize, runs: Sequence[TrainSettings], findings: 
     """Predict Gaussians, time and memory of a scene's runs.
 
     Args:
-        size: Of the scene.
-        runs: Settings of each, at least one.
+        size: How large the scene is.
+        runs: Settings of each run, at least one.
         findings: Gets the facts, and a problem where memory does not suffice.
     """
     first = size.gaussians

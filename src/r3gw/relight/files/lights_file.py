@@ -52,7 +52,7 @@ def write_lights(
 
     Args:
         lights: As training learned them: each with a `LearnedSky` of exposure 1.
-        coordinates: Of the directions; see `CONVENTION`.
+        coordinates: In whose frame directions are; see `CONVENTION`.
         folder: Where the file goes.
     """
     photos = {

@@ -6,7 +6,6 @@ opacity is a logit, rot is wxyz. A relightable file adds `RELIGHTABLE`; viewers 
 """
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -15,13 +14,14 @@ import numpy as np
 import torch
 from jaxtyping import Float
 from numpy.typing import NDArray
+from pydantic import Field
 from torch import Tensor
 
 from r3gw.files import InputError
-from r3gw.files.strict import validated
+from r3gw.files.ply import read_vertices, write_vertices
+from r3gw.files.strict import Strict, validated
 from r3gw.geometry.similarity import Similarity
 from r3gw.relight.files.lights_file import read_lights
-from r3gw.relight.files.ply_rows import read_rows, write_rows
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.move import moved
 from r3gw.scene.scene import Gauge
@@ -61,6 +61,15 @@ class Placement:
     scene_from_source: Similarity
 
 
+class _Facts(Strict):
+    """What the header's comments say of a relightable file."""
+
+    coordinates: Coordinates
+    scene_from_source: Gauge
+    light_degree: int = Field(ge=0, le=10)
+    with_specular: bool
+
+
 def write_ply(
     path: Path, gaussians: Relightable, baked: Baked, placement: Placement, *, relightable: bool
 ) -> None:
@@ -97,7 +106,7 @@ def write_ply(
         "with_specular": gaussians.with_specular,
     }
     comments = [f"{COMMENT}{name} {json.dumps(value)}" for name, value in facts.items()]
-    write_rows(path, rows, comments)
+    write_vertices(path, rows, comments)
 
 
 def read_ply(path: Path) -> Relightable:
@@ -110,16 +119,21 @@ def read_ply(path: Path) -> Relightable:
         InputError: If the file is missing, no PLY file, or without the relightable properties.
     """
     rows, facts = _parsed(path)
-    if "is_sky" not in (rows.dtype.names or ()) or not facts:
+    names = rows.dtype.names or ()
+    transfer = _occlusion_names(sum(name.startswith(OCCLUSION) for name in names))
+    needed = (*POSITION, *ROTATION, *SCALE, "opacity", *RELIGHTABLE, *transfer)
+    if lacking := [name for name in needed if name not in names]:
         raise InputError(
-            f"{path}: no relightable scene (it lacks r3gw's extra properties); "
+            f"{path}: no relightable scene (it lacks r3gw's property {lacking[0]}); "
             "give the relightable.ply of `python -m r3gw export`"
         )
+    numbers = [name for name in needed if name != "is_sky"]
+    if not all(np.isfinite(rows[name]).all() for name in numbers):
+        raise InputError(f"{path}: holds NaN or infinite values; export the scene again")
     is_sky = torch.from_numpy(rows["is_sky"] > 0)
     if bool((is_sky[1:] < is_sky[:-1]).any()):
         raise InputError(f"{path}: the sky's Gaussians must come last; do not reorder the file")
     count = int((~is_sky).sum())
-    transfer = _occlusion_names(sum(n.startswith(OCCLUSION) for n in rows.dtype.names or ()))
     gaussians = Relightable(
         _columns(rows, POSITION),
         _columns(rows, ROTATION),
@@ -128,15 +142,14 @@ def read_ply(path: Path) -> Relightable:
         _columns(rows, ALBEDO)[:count],
         _columns(rows, ("roughness",))[:count, 0],
         read_lights(path.parent),
-        int(facts["light_degree"]),
-        bool(facts["with_specular"]),
+        facts.light_degree,
+        facts.with_specular,
         _columns(rows, transfer)[:count] if transfer else None,
         str(path),
     )
-    if facts["coordinates"] == "scene":
+    if facts.coordinates == "scene":
         return gaussians
-    gauge = validated(Gauge, facts["scene_from_source"], f"{path}: scene_from_source")
-    return moved(gaussians, gauge.similarity)
+    return moved(gaussians, facts.scene_from_source.similarity)
 
 
 def _occlusion_names(count: int) -> tuple[str, ...]:
@@ -152,14 +165,21 @@ def _columns(rows: NDArray[Any], names: tuple[str, ...]) -> Float[Tensor, "n c"]
     return torch.from_numpy(np.stack([rows[name].astype(np.float32) for name in names], axis=-1))
 
 
-def _parsed(path: Path) -> tuple[NDArray[Any], Mapping[str, Any]]:
-    """The vertices and the facts of the header's comments."""
+def _parsed(path: Path) -> tuple[NDArray[Any], _Facts]:
+    """The vertices, and what r3gw's own comments in the header say; those of others are theirs."""
     if not path.is_file():
         raise InputError(f"{path}: no such file; export the scene first")
     try:
-        rows, comments = read_rows(path)
-        named = (text.removeprefix(COMMENT).split(" ", 1) for text in comments)
-        facts = {name: json.loads(value) for name, value in named}
-    except ValueError as error:
+        rows, comments = read_vertices(path)
+        own = (text.removeprefix(COMMENT) for text in comments if text.startswith(COMMENT))
+        facts = {
+            name: json.loads(value) for name, _, value in (text.partition(" ") for text in own)
+        }
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not a PLY file of Gaussians ({error})") from error
-    return rows, facts
+    if not facts:
+        raise InputError(
+            f"{path}: no relightable scene (it lacks r3gw's comments in the header); "
+            "give the relightable.ply of `python -m r3gw export`"
+        )
+    return rows, validated(_Facts, facts, f"{path}: header")

@@ -9,15 +9,15 @@ from jaxtyping import Bool
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from r3gw.evaluation.bench import scored_pixels
 from r3gw.evaluation.decomposition import scale_per_channel, sky_band
+from r3gw.evaluation.trained_scene import scored_pixels
 from r3gw.imaging.colour import GAMMA, display_array_from_linear
 from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.imaging.pictures import bytes_from_display, normal_picture
 from r3gw.masks.folder import load_masks
-from r3gw.reporting.figures.evaluated import Evaluated
 from r3gw.reporting.figures.style import Cell, Scale, picture_grid
 from r3gw.reporting.figures.truth import depth_scale
+from r3gw.reporting.runs import Run
 from r3gw.scene import Scene, View
 
 NUM_ROWS = 3
@@ -29,7 +29,7 @@ CENTRED = 0.8  # how much a window at the side counts less than one in the middl
 Row = list[Cell | None]
 
 
-def depth_figure(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) -> Figure:
+def depth_figure(scene: Scene, scene_folder: Path, runs: Sequence[Run]) -> Figure:
     """Depth of every variant on one scale; truth and the first variant's error where known."""
     views = runs[0].shown_views(scene)[:NUM_ROWS]
     truths = {view.name: _true(scene_folder, view, "depth") for view in views}
@@ -41,7 +41,7 @@ def depth_figure(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) ->
     scale = depth_scale(shown)
     rows = []
     for view in views:
-        row: Row = [_photo(runs[0], view)]
+        row: Row = [Cell(read_rgb(scene_folder / view.image))]
         row += [_depth_cell(scale, run.depth(view.name)) for run in runs]
         truth = truths[view.name]
         if truth is not None:
@@ -56,7 +56,7 @@ def depth_figure(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) ->
 
 
 def sky_boundary_figure(
-    scene: Scene, scene_folder: Path, masks_folder: Path, runs: Sequence[Evaluated]
+    scene: Scene, scene_folder: Path, masks_folder: Path, runs: Sequence[Run]
 ) -> Figure:
     """Training photos with a window on the sky's outline, enlarged for photo and variants.
 
@@ -73,7 +73,7 @@ def sky_boundary_figure(
         photo = read_rgb(scene_folder / view.image)
         row: Row = [Cell(photo, frame_px=frame), Cell(_crop(photo, frame))]
         for run, picture in zip(runs, pictures, strict=True):
-            psnr = run.parts.get(view.name, {}).get("sky_boundary_psnr")
+            psnr = run.boundary_psnr(view.name)
             label = "" if psnr is None else f"{psnr:.2f} dB"
             row.append(None if picture is None else Cell(_crop(picture, frame), label))
         rows.append(row)
@@ -82,7 +82,7 @@ def sky_boundary_figure(
     return picture_grid(rows[:NUM_ROWS], titles, names[:NUM_ROWS])
 
 
-def surfaces_figure(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
+def surfaces_figure(scene: Scene, scene_folder: Path, run: Run) -> Figure:
     """Albedo and normals beside the truth, albedo after one factor per channel for the figure."""
     views = run.shown_views(scene)[:NUM_ROWS]
     truths = {view.name: _true(scene_folder, view, "albedo") for view in views}
@@ -95,7 +95,8 @@ def surfaces_figure(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
             continue
         is_surface = run.depth(view.name) > 0
         linear = np.where(is_surface[..., None], (albedo / 255.0) ** GAMMA * factors, 1.0)
-        row: Row = [_photo(run, view), Cell(bytes_from_display(display_array_from_linear(linear)))]
+        shown = Cell(bytes_from_display(display_array_from_linear(linear)))
+        row: Row = [Cell(read_rgb(scene_folder / view.image)), shown]
         if known:
             row += _surface_truth(scene_folder, view, normal)
         else:
@@ -124,11 +125,6 @@ def busiest_window(band: Bool[np.ndarray, "h w"]) -> tuple[int, int, int, int]:
     return int(left), int(top), columns, rows
 
 
-def _photo(run: Evaluated, view: View) -> Cell | None:
-    picture = run.picture(view.name, "truth")
-    return None if picture is None else Cell(picture)
-
-
 def _true(scene_folder: Path, view: View, kind: str) -> NDArray[np.float32] | None:
     return None if view.truth is None else read_linear(scene_folder / getattr(view.truth, kind))
 
@@ -145,9 +141,7 @@ def _depth_truth(
     return [_depth_cell(scale, truth), Cell(DEPTH_ERROR.coloured(error, is_known))]
 
 
-def _albedo_factors(
-    scene_folder: Path, views: Sequence[View], run: Evaluated
-) -> NDArray[np.floating]:
+def _albedo_factors(scene_folder: Path, views: Sequence[View], run: Run) -> NDArray[np.floating]:
     """Least-squares factor per channel from our albedo to the true one; 1 without truth."""
     ours, true = [], []
     for view in views:

@@ -9,49 +9,55 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from r3gw.evaluation.bench import scored_pixels
 from r3gw.evaluation.gallery import light_picture
+from r3gw.evaluation.trained_scene import scored_pixels
 from r3gw.files import InputError
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_rgb
 from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
 from r3gw.lighting.maps import light_of_map
-from r3gw.reporting.figures.evaluated import Evaluated
-from r3gw.reporting.figures.style import Cell, Scale, picture_grid
+from r3gw.reporting.columns import pictured_protocols
+from r3gw.reporting.figures.style import Cell, Scale, in_rows, picture_grid
 from r3gw.reporting.figures.truth import depth_pictures, truth_pictures
+from r3gw.reporting.runs import Run
 from r3gw.scene import Scene, View
+from r3gw.scene.selection import evenly
 
 NUM_DECOMPOSED = 2
 NUM_LIGHTS = 24
 LIGHTS_PER_ROW = 4
 LIGHT_MAP_HEIGHT = 64
 BRIGHTEST_QUANTILE = 0.98
-PROTOCOL_TITLES = {"exact": "true light", "nerf-osr": "nerf-osr", "learned": "learned light"}
 ERROR = Scale("magma", 0.0, 0.3, "absolute error (display units)")
 
 
-def view_grid(scene: Scene, scene_folder: Path, runs: Sequence[Evaluated]) -> Figure:
+def view_grid(scene: Scene, scene_folder: Path, runs: Sequence[Run]) -> Figure:
     """Photos beside every variant's renders: test views if there are any, else training views.
 
     The first run is shown under every protocol and, under its first one, with its error; the
     others under that one alone. Errors are shown where pixels are scored.
     """
     views = runs[0].shown_views(scene)
-    protocols = [p for p in PROTOCOL_TITLES if any((v.name, p) in runs[0].records for v in views)]
-    columns = [(runs[0], p) for p in protocols] + [(run, protocols[0]) for run in runs[1:]]
+    titles_by_protocol = {
+        each.name: each.light_title
+        for each in pictured_protocols()
+        if any((view.name, each.name) in runs[0].records for view in views)
+    }
+    first, *others = titles_by_protocol
+    columns = [(runs[0], protocol) for protocol in (first, *others)]
+    columns += [(run, first) for run in runs[1:]]
     rows: list[list[Cell | None]] = []
     for view in views:
         cells = [_cell(run.picture(view.name, p), run.psnr(view.name, p)) for run, p in columns]
-        photo, render = (runs[0].picture(view.name, kind) for kind in ("truth", protocols[0]))
-        light = _light_of(scene_folder, view)
-        error = None
-        if photo is not None and render is not None:
+        photo = read_rgb(scene_folder / view.image)
+        render, error = runs[0].picture(view.name, first), None
+        if render is not None:
             is_scored = scored_pixels(scene_folder, view)
             error = _cell(ERROR.coloured(absolute_error(render, photo), is_scored))
-        first = None if photo is None else Cell(photo, thumbnail=light)
-        rows.append([first, cells[0], error, *cells[1:]])
-    titles = [f"{run.label}\n{PROTOCOL_TITLES[protocol]}" for run, protocol in columns]
+        shown = Cell(photo, thumbnail=_light_of(scene_folder, view))
+        rows.append([shown, cells[0], error, *cells[1:]])
+    titles = [f"{run.label}\n{titles_by_protocol[protocol]}" for run, protocol in columns]
     titles = ["photo", titles[0], "its error", *titles[1:]]
     return picture_grid(rows, titles, [view.name for view in views], scales=[ERROR])
 
@@ -68,7 +74,7 @@ def _light_of(scene_folder: Path, view: View) -> NDArray[np.uint8] | None:
     return light_picture(envmap.read_env_map(scene_folder / view.truth.env_map))
 
 
-def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
+def decomposition_grid(scene: Scene, scene_folder: Path, run: Run) -> Figure:
     """Render, albedo, normals, depth, sky and foreground alone, light; beneath, what is true."""
     rows: list[list[Cell | None]] = []
     names = []
@@ -81,7 +87,7 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figu
         light = _cell(_light_drawn_under(scene_folder, run, view))
         rows.append([_cell(run.picture(view.name, protocol), view.name), *parts, light])
         names.append("model")
-        photo = _cell(run.picture(view.name, "truth"))
+        photo = Cell(read_rgb(scene_folder / view.image))
         if view.truth is not None:
             true = truth_pictures(view.truth, scene_folder)
             surfaces = [Cell(true["albedo"]), Cell(true["normal"]), _cell(depths.truth)]
@@ -93,7 +99,7 @@ def decomposition_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figu
     return picture_grid(rows, titles, names)
 
 
-def _light_drawn_under(scene_folder: Path, run: Evaluated, view: View) -> NDArray[np.uint8] | None:
+def _light_drawn_under(scene_folder: Path, run: Run, view: View) -> NDArray[np.uint8] | None:
     """The SH light of a view's first picture as a map: learned, or the true map's."""
     if view.name in run.lights:
         light = run.lights[view.name].sh
@@ -105,28 +111,24 @@ def _light_drawn_under(scene_folder: Path, run: Evaluated, view: View) -> NDArra
     return light_picture(envmap.draw(light, LIGHT_MAP_HEIGHT))
 
 
-def light_grid(scene: Scene, scene_folder: Path, run: Evaluated) -> Figure:
+def light_grid(scene: Scene, scene_folder: Path, run: Run) -> Figure:
     """Training photos with the light learned for each, all at one exposure."""
     views = [view for view in scene.split("train") if view.name in run.lights]
     if not views:
-        raise InputError(f"{run.renders.parent / 'lights.json'}: has no light of a training photo")
-    chosen = np.unique(np.linspace(0, len(views) - 1, min(NUM_LIGHTS, len(views))).astype(int))
+        raise InputError(f"{run.folder / 'lights.json'}: has no light of a training photo")
+    chosen = evenly(views, NUM_LIGHTS)
     maps = {
-        views[i].name: envmap.draw(run.lights[views[i].name].sh, LIGHT_MAP_HEIGHT).numpy()
-        for i in chosen
+        view.name: envmap.draw(run.lights[view.name].sh, LIGHT_MAP_HEIGHT).numpy()
+        for view in chosen
     }
     brightest = float(np.quantile(np.stack(list(maps.values())), BRIGHTEST_QUANTILE))
-    pairs = [
-        (
-            Cell(_thumbnail(read_rgb(scene_folder / views[i].image)), views[i].session or ""),
-            Cell(bytes_from_display(display_array_from_linear(maps[views[i].name] / brightest))),
-        )
-        for i in chosen
-    ]
-    rows: list[list[Cell | None]] = []
-    for start in range(0, len(pairs), LIGHTS_PER_ROW):
-        cells = [cell for pair in pairs[start : start + LIGHTS_PER_ROW] for cell in pair]
-        rows.append([*cells, *[None] * (2 * LIGHTS_PER_ROW - len(cells))])
+    cells = []
+    for view in chosen:
+        cells += [
+            Cell(_thumbnail(read_rgb(scene_folder / view.image)), view.session or ""),
+            Cell(bytes_from_display(display_array_from_linear(maps[view.name] / brightest))),
+        ]
+    rows = in_rows(cells, 2 * LIGHTS_PER_ROW)
     titles = ["photo", "learned light"] * LIGHTS_PER_ROW
     return picture_grid(rows, titles, [""] * len(rows), cell_width_in=1.3)
 

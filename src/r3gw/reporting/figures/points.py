@@ -12,16 +12,14 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
-from r3gw.evaluation.gallery import evenly
 from r3gw.model.initial import load_initial
 from r3gw.reporting.figures.style import COLOURS, new_figure
 from r3gw.scene import Points, Scene
+from r3gw.scene.selection import evenly
 
 MAX_POINTS = 6000
 SKY_COLOUR = "#56B4E9"
 Split = Literal["train", "test"]
-
-
 AZIMUTH_DEG, ELEVATION_DEG = -60.0, 18.0
 CAMERA_COLOURS = {"train": COLOURS[1], "test": COLOURS[3]}
 SHOWN_QUANTILES = (0.01, 0.99)  # of the points, per axis: stray points would shrink the rest

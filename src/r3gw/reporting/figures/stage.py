@@ -1,16 +1,18 @@
-"""The figures of one scene: ``<scene>_<kind>.png``, plots also as .pdf."""
+"""The figures' entry: those of a scene, ``<scene>_<kind>.png``, and that of a study."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from r3gw.files import InputError
 from r3gw.reporting.figures.comparisons import depth_figure, sky_boundary_figure, surfaces_figure
-from r3gw.reporting.figures.evaluated import read_run
 from r3gw.reporting.figures.grids import decomposition_grid, light_grid, view_grid
-from r3gw.reporting.figures.plots import sweep_plot, training_plot
+from r3gw.reporting.figures.plots import is_swept, study_plot, sweep_plot, training_plot
 from r3gw.reporting.figures.points import initial_figure, sfm_figure
-from r3gw.reporting.figures.relit import learned_figure, shared_light_figure, turned_figure
+from r3gw.reporting.figures.relighting import learned_figure, shared_light_figure, turned_figure
 from r3gw.reporting.figures.style import look, save
+from r3gw.reporting.runs import load_run
+from r3gw.reporting.tables.listings import runs_table
+from r3gw.reporting.tables.study import study_table
 from r3gw.scene import load_points, load_scene
 
 
@@ -34,7 +36,7 @@ def scene_figures(
     if not run_folders:
         raise InputError(f"figures of scene {scene} need at least one run; evaluate one first")
     imported, points = load_scene(scene_folder), load_points(scene_folder)
-    runs = [read_run(folder) for folder in run_folders]
+    runs = [load_run(folder / "metrics" / "metrics.json") for folder in run_folders]
     main = runs[0]
     with look():
         pictures = {
@@ -53,9 +55,30 @@ def scene_figures(
             "initial": initial_figure(imported, points, scene_folder.with_name("initial.npz")),
             "sfm": sfm_figure(imported, points),
         }
-        if any(protocol == "nerf-osr" for _, protocol in main.records):
+        if is_swept(main):
             plots["sweep"] = sweep_plot(main)
         for kind, figure in pictures.items():
             save(figure, target / f"{scene}_{kind}.png", as_pdf=False)
         for kind, figure in plots.items():
             save(figure, target / f"{scene}_{kind}.png", as_pdf=True)
+
+
+def write_study(
+    metrics_files: Sequence[Path], baseline: str, table: Path, runs: Path, figure: Path
+) -> None:
+    """Compare variants with a baseline, as tables and as a plot of PSNR over training seconds.
+
+    Args:
+        metrics_files: metrics.json of every run, each in its run's folder.
+        baseline: The variant that all others are compared with.
+        table: The comparison (.csv); .md comes beside it.
+        runs: Table with one row per run (.csv).
+        figure: The plot (.png, and as .pdf).
+
+    Raises:
+        InputError: If a file is missing or malformed, or no run is of the baseline.
+    """
+    runs_table(metrics_files, runs)
+    compared = study_table(metrics_files, baseline, table)
+    with look():
+        save(study_plot(compared, baseline), figure, as_pdf=True)

@@ -51,8 +51,8 @@ class Cell:
 
     Attributes:
         picture: ``[H, W, 3]`` uint8.
-        label: In the lower left corner.
-        thumbnail: A small picture in the upper left corner, such as an environment map.
+        label: Text in the lower left corner.
+        thumbnail: Small picture in the upper left corner, such as an environment map.
         frame_px: ``(left, top, width, height)`` of a frame drawn on the picture.
     """
 
@@ -110,6 +110,15 @@ def save(figure: Figure, target: Path, *, as_pdf: bool) -> None:
             figure.savefig(path, metadata={"CreationDate": None, "Producer": None})
 
 
+def in_rows(cells: Sequence[Cell], per_row: int) -> list[list[Cell | None]]:
+    """Cells in rows of one length; the last row ends with empty places."""
+    rows: list[list[Cell | None]] = []
+    for start in range(0, len(cells), per_row):
+        row = cells[start : start + per_row]
+        rows.append([*row, *[None] * (per_row - len(row))])
+    return rows
+
+
 def picture_grid(
     rows: Sequence[Sequence[Cell | None]],
     column_titles: Sequence[str],
@@ -122,8 +131,8 @@ def picture_grid(
 
     Args:
         rows: Cells, all rows of the same length; None stays empty.
-        column_titles: One per column.
-        row_titles: One per row.
+        column_titles: A title per column.
+        row_titles: A title per row.
         cell_width_in: Width of a cell; its height follows the row's first picture.
         scales: Colour bars at the right, one above the other.
     """

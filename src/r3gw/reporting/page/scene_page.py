@@ -12,20 +12,17 @@ from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
 from r3gw.lighting import envmap
 from r3gw.masks.folder import load_masks
-from r3gw.reporting.figures.evaluated import Evaluated, read_run
-from r3gw.reporting.figures.plots import sweep_plot, training_plot
+from r3gw.reporting.changes import changes, read_settings
+from r3gw.reporting.columns import pictured_protocols
+from r3gw.reporting.figures.plots import is_swept, sweep_plot, training_plot
 from r3gw.reporting.figures.points import initial_figure, sfm_figure
 from r3gw.reporting.figures.truth import depth_pictures, truth_pictures
 from r3gw.reporting.page.inline import figure_uri, mask_uri, picture_uri, plot_uri
+from r3gw.reporting.runs import Run, load_run
 from r3gw.scene import Scene, View, load_points, load_scene
 
 PHOTO_PX, VIEW_PX, LIGHT_PX = 240, 420, 128
 NUM_DECOMPOSED = 2
-SHOWN_PROTOCOLS = {
-    "exact": "true light",
-    "nerf-osr": "protocol nerf-osr",
-    "learned": "learned light",
-}
 PARTS = {
     "albedo": "albedo",
     "normal": "normals",
@@ -53,13 +50,12 @@ def scene_page(folders: SceneFolders) -> Page:
     """
     folder = folders.root / "scene"
     scene, points = load_scene(folder), load_points(folder)
-    runs = [read_run(each) for each in folders.runs]
+    runs = [load_run(each / "metrics" / "metrics.json") for each in folders.runs]
     main = runs[0]
     shown = main.shown_views(scene)
-    is_swept = any(protocol == "nerf-osr" for _, protocol in main.records)
     return {
         "name": folders.root.name,
-        "views": [_view_row(main, view) for view in shown],
+        "views": [_view_row(main, view, folder) for view in shown],
         "sessions": _sessions(scene, folder, folders.root / "masks"),
         "num_views": {which: len(scene.split(which)) for which in ("train", "test")},
         "num_points": len(points.xyz),
@@ -70,29 +66,30 @@ def scene_page(folders: SceneFolders) -> Page:
         "turned": _turned(main),
         "relit": _relit(main),
         "training": plot_uri(training_plot(runs)),
-        "sweep": plot_uri(sweep_plot(main)) if is_swept else None,
+        "sweep": plot_uri(sweep_plot(main)) if is_swept(main) else None,
         "settings": _settings(folders.runs, runs),
-        "runs": [{"label": run.label, **run.run} for run in runs],
+        "runs": [{"label": run.label, **run.provenance} for run in runs],
         "source": {"format": scene.source_format, "gauge": scene.scene_from_source.scale},
     }
 
 
-def _view_row(run: Evaluated, view: View) -> Page:
+def _view_row(run: Run, view: View, folder: Path) -> Page:
     """Photo and renders of a view, with their figures."""
-    cells = [{"title": "photo", "uri": _shown(run, view.name, "truth"), "figures": ""}]
-    for protocol, title in SHOWN_PROTOCOLS.items():
-        record = run.records.get((view.name, protocol))
+    photo = picture_uri(read_rgb(folder / view.image), VIEW_PX)
+    cells = [{"title": "photo", "uri": photo, "figures": ""}]
+    for protocol in pictured_protocols():
+        record = run.records.get((view.name, protocol.name))
         if record is not None:
             figures = f"{record['psnr']:.2f} dB, SSIM {record['ssim']:.3f}"
-            uri = _shown(run, view.name, protocol)
-            cells.append({"title": title, "uri": uri, "figures": figures})
+            uri = _shown(run, view.name, protocol.name)
+            cells.append({"title": protocol.light_title, "uri": uri, "figures": figures})
     return {"name": view.name, "cells": cells}
 
 
-def _shown(run: Evaluated, view: str, kind: str) -> str:
+def _shown(run: Run, view: str, kind: str) -> str:
     picture = run.picture(view, kind)
     if picture is None:
-        raise InputError(f"{run.renders / kind / view}.png: no such file; evaluate the run again")
+        raise InputError(f"{run.picture_path(view, kind)}: no such file; evaluate the run again")
     return picture_uri(picture, VIEW_PX)
 
 
@@ -117,7 +114,7 @@ def _sessions(scene: Scene, folder: Path, masks: Path) -> list[Page]:
     return sessions
 
 
-def _lights(run: Evaluated, scene: Scene, folder: Path) -> list[Page]:
+def _lights(run: Run, scene: Scene, folder: Path) -> list[Page]:
     """Photos beside the light learned for each, every light at its own exposure."""
     lights = []
     for view in scene.split("train"):
@@ -134,7 +131,7 @@ def _lights(run: Evaluated, scene: Scene, folder: Path) -> list[Page]:
     return lights
 
 
-def _parts(run: Evaluated, view: View, folder: Path) -> Page:
+def _parts(run: Run, view: View, folder: Path) -> Page:
     """What a view is made of, and beneath it the truth where it is known."""
     truth = {} if view.truth is None else truth_pictures(view.truth, folder)
     depths = depth_pictures(run.depth(view.name), view.truth, folder)
@@ -149,7 +146,7 @@ def _parts(run: Evaluated, view: View, folder: Path) -> Page:
     return {"name": view.name, "cells": cells}
 
 
-def _turned(run: Evaluated) -> Page:
+def _turned(run: Run) -> Page:
     """Frames of the slider: every view and the map at every turn."""
     relit = run.relit
     frames = [
@@ -163,7 +160,7 @@ def _turned(run: Evaluated) -> Page:
     return {"map": relit.map_name, "views": list(relit.views), "frames": frames}
 
 
-def _relit(run: Evaluated) -> list[Page]:
+def _relit(run: Run) -> list[Page]:
     relit = run.relit
     return [
         {
@@ -175,28 +172,11 @@ def _relit(run: Evaluated) -> list[Page]:
     ]
 
 
-def _settings(folders: Sequence[Path], runs: Sequence[Evaluated]) -> Page:
+def _settings(folders: Sequence[Path], runs: Sequence[Run]) -> Page:
     """The main run's settings as text, and what the other variants change."""
-    texts = []
-    for folder in folders:
-        path = folder / "settings.json"
-        if not path.is_file():
-            raise InputError(f"{path}: no such file; train the run again")
-        texts.append(path.read_text())
-    main, *others = [_flat(json.loads(text)) for text in texts]
-    changes = []
-    for run, other in zip(runs[1:], others, strict=True):
-        keys = sorted(key for key in main.keys() | other.keys() if main.get(key) != other.get(key))
-        changed = [{"key": k, "from": main.get(k), "to": other.get(k)} for k in keys]
-        changes.append({"label": run.label, "changed": changed})
-    return {"text": texts[0], "changes": changes}
-
-
-def _flat(settings: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for key, value in settings.items():
-        if isinstance(value, dict):
-            flat |= _flat(value, f"{prefix}{key}.")
-        else:
-            flat[prefix + key] = value
-    return flat
+    main, *others = [read_settings(folder) for folder in folders]
+    changed = [
+        {"label": run.label, "changed": changes(main, other)}
+        for run, other in zip(runs[1:], others, strict=True)
+    ]
+    return {"text": json.dumps(main, indent=2), "changes": changed}

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from r3gw.reporting.columns import DECOMPOSITION, all_columns
+from r3gw.reporting.runs import Run, load_runs
 from r3gw.reporting.tables.printed import write_csv
-from r3gw.reporting.tables.runs import ALL_FIGURES, DECOMPOSITION, Run, load_runs
 from r3gw.reporting.tables.summary import Row, scenes_with
 
 SECONDS_PER_MINUTE = 60.0
@@ -19,7 +20,7 @@ def runs_table(metrics_files: Sequence[Path], target: Path) -> None:
     Raises:
         InputError: If a file is missing or malformed.
     """
-    _write_per_run(load_runs(metrics_files), ALL_FIGURES, target)
+    _write_per_run(load_runs(metrics_files), all_columns(), target)
 
 
 def decomposition(metrics_files: Sequence[Path], target: Path) -> None:

@@ -1,30 +1,16 @@
-"""How tables reach paper and disk: CSV, Markdown, LaTeX (booktabs).
+"""How tables reach disk: CSV, and table 1 as Markdown and LaTeX (booktabs)."""
 
-Table 1 is printed in panels, one per protocol, so that figures of different protocols never
-share a column; published rows have a panel of their own.
-"""
-
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
+from r3gw.evaluation.metrics import METRICS
 from r3gw.files import atomic_path
-from r3gw.reporting.tables.runs import METRICS, SUFFIXES
+from r3gw.reporting.tables.panels import HIGHER_IS_BETTER, NOTE, Figure, Panel, panels
 
 FLOAT_FORMAT = "%.6g"
-DIGITS = {"psnr": 2, "ssim": 3, "mse": 3, "mae": 3}
-HIGHER_IS_BETTER = {"psnr", "ssim"}
-PANELS = {
-    "nerf-osr": "protocol nerf-osr: published angles, the best chosen by an oracle",
-    "full-yaw": "protocol full-yaw: whole circle, the best angle chosen by an oracle",
-    "nerf-osr-linear": "protocol nerf-osr-linear: linear maps, angle and exposure by an oracle",
-    "exact": "protocol exact: true light, nothing chosen",
-    "learned": "protocol learned: training views under their own lights",
-}
 SPECIAL = {"&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}"}
-
-Panel = tuple[str, pd.DataFrame]
 
 
 def write_csv(frame: pd.DataFrame, target: Path) -> None:
@@ -46,11 +32,15 @@ def markdown(frame: pd.DataFrame, places: Sequence[str]) -> str:
         frame: Rows of table1.csv.
         places: Scenes, then "avg".
     """
-    parts = []
-    for title, panel in panels(frame, places):
-        table = panel.rename(columns=lambda name: _heading(name) if name != "method" else "Method")
+    heads = ["Method", *(f"{metric.upper()} {place}" for place in places for metric in METRICS)]
+    parts, shown = [], list(panels(frame, places))
+    for panel in shown:
+        rows = [[name, *(figure.text for figure in row)] for name, row in panel.rows.items()]
+        table = pd.DataFrame(rows, columns=heads)
         text = table.to_markdown(index=False, disable_numparse=True)
-        parts.append(f"**{title[0].upper()}{title[1:]}**\n\n{text}\n")
+        parts.append(f"**{panel.title[0].upper()}{panel.title[1:]}**\n\n{text}\n")
+    if any(panel.has_spread for panel in shown):
+        parts.append(f"{NOTE}\n")
     return "\n".join(parts)
 
 
@@ -64,13 +54,16 @@ def latex(frame: pd.DataFrame, places: Sequence[str]) -> str:
     arrows = {m: "uparrow" if m in HIGHER_IS_BETTER else "downarrow" for m in METRICS}
     heads = "".join(f" & {m.upper()} $\\{arrows[m]}$" for m in METRICS) * len(places)
     num_columns = 1 + width * len(places)
-    body = []
-    for title, panel in panels(frame, places):
-        body.append(f"\\multicolumn{{{num_columns}}}{{l}}{{\\emph{{{_escaped(title)}}}}} \\\\")
-        body += _latex_rows(panel, places)
+    body, shown = [], list(panels(frame, places))
+    for panel in shown:
+        title = f"\\emph{{{_escaped(panel.title)}}}"
+        body.append(f"\\multicolumn{{{num_columns}}}{{l}}{{{title}}} \\\\")
+        body += _latex_rows(panel)
         body.append("\\addlinespace")
+    note = [f"% {NOTE}"] if any(panel.has_spread for panel in shown) else []
     lines = [
         "% \\usepackage{booktabs}; wide: \\resizebox{\\linewidth}{!}{\\input{table1}}",
+        *note,
         f"\\begin{{tabular}}{{l{'r' * (num_columns - 1)}}}",
         "\\toprule",
         f"{groups} \\\\",
@@ -84,52 +77,27 @@ def latex(frame: pd.DataFrame, places: Sequence[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def panels(frame: pd.DataFrame, places: Sequence[str]) -> Iterator[Panel]:
-    """Title and rounded rows of every panel that has figures.
-
-    Columns are ``method`` and ``<metric>_<place>`` for every metric and place.
-    """
-    is_published = frame["group"].str.startswith("published")
-    for protocol, title in PANELS.items():
-        for rows, origin in ((frame[is_published], "published, "), (frame[~is_published], "")):
-            wanted = {
-                f"{metric}_{place}": f"{metric}{SUFFIXES[protocol]}_{place}"
-                for place in places
-                for metric in METRICS
-            }
-            if rows.reindex(columns=list(wanted.values())).isna().to_numpy().all():
-                continue
-            panel = pd.DataFrame({"method": rows["method"]})
-            for name, column in wanted.items():
-                values = rows.get(column, pd.Series(float("nan"), rows.index))
-                panel[name] = _rounded(values, DIGITS[name.split("_")[0]])
-            yield origin + title, panel
+def _latex_rows(panel: Panel) -> list[str]:
+    best = panel.best()
+    return [
+        " & ".join(
+            [
+                _escaped(method),
+                *(
+                    _latex_figure(figure, is_best=figure.value == wanted)
+                    for figure, wanted in zip(row, best, strict=True)
+                ),
+            ]
+        )
+        + " \\\\"
+        for method, row in panel.rows.items()
+    ]
 
 
-def _latex_rows(panel: pd.DataFrame, places: Sequence[str]) -> list[str]:
-    names = [f"{metric}_{place}" for place in places for metric in METRICS]
-    best = {}
-    for name in names:
-        known = [value for value in panel[name] if value]
-        choose = max if name.split("_")[0] in HIGHER_IS_BETTER else min
-        best[name] = choose(known, key=float) if len(known) > 1 else None
-    rows = []
-    for _, row in panel.iterrows():
-        cells = [
-            f"\\textbf{{{row[name]}}}" if row[name] and row[name] == best[name] else row[name]
-            for name in names
-        ]
-        rows.append(" & ".join([_escaped(str(row["method"])), *cells]) + " \\\\")
-    return rows
-
-
-def _heading(name: str) -> str:
-    metric, place = name.split("_", 1)
-    return f"{metric.upper()} {place}"
-
-
-def _rounded(values: pd.Series, digits: int) -> pd.Series:
-    return values.map(lambda value: "" if pd.isna(value) else f"{value:.{digits}f}")
+def _latex_figure(figure: Figure, *, is_best: bool) -> str:
+    value = f"\\textbf{{{figure.value}}}" if is_best and figure.value else figure.value
+    spread = f" $\\pm$ {figure.spread}" if figure.spread else ""
+    return value + spread + ("$^*$" if figure.is_marked else "")
 
 
 def _escaped(text: str) -> str:

@@ -1,14 +1,14 @@
-"""Averages over seeds and scenes, and their spread (evaluation protocol 2).
+"""Averages over seeds and scenes, and their spread.
 
 A scene's figure is the mean over its views, then over seeds; the average is the mean over scenes.
 The spread is the sample standard deviation over seeds.
 """
 
 from collections.abc import Sequence
-from math import nan
+from math import isnan, nan
 from statistics import fmean, stdev
 
-from r3gw.reporting.tables.runs import Run
+from r3gw.reporting.runs import Run
 
 Row = dict[str, str | int | float]
 
@@ -26,6 +26,11 @@ def scenes_with(runs: Sequence[Run], figure: str) -> list[str]:
 def of_variant(runs: Sequence[Run], variant: str) -> list[Run]:
     """The runs of one variant."""
     return [run for run in runs if run.variant == variant]
+
+
+def num_seeds(runs: Sequence[Run]) -> int:
+    """How many seeds runs have."""
+    return len({run.seed for run in runs})
 
 
 def scene_means(runs: Sequence[Run], figure: str, scenes: Sequence[str]) -> Row:
@@ -52,6 +57,26 @@ def scene_spreads(runs: Sequence[Run], figure: str, scenes: Sequence[str]) -> Ro
     return row
 
 
+def within_spread(
+    runs: Sequence[Run], reference: Sequence[Run], figure: str, scenes: Sequence[str]
+) -> list[str]:
+    """Of ``figure_<scene>`` and ``figure_avg`` those that seeds do not tell apart from a reference.
+
+    That is so where the difference of the means is no larger than the larger of the two spreads; it
+    is not said where either has fewer than two seeds.
+    """
+    means, others = (scene_means(each, figure, scenes) for each in (runs, reference))
+    spreads, other_spreads = (scene_spreads(each, figure, scenes) for each in (runs, reference))
+    alike = []
+    for place in (*scenes, "avg"):
+        name, spread = f"{figure}_{place}", f"{figure}_std_{place}"
+        difference = abs(float(means[name]) - float(others[name]))
+        both = (float(spreads[spread]), float(other_spreads[spread]))
+        if not any(map(isnan, both)) and difference <= max(both):
+            alike.append(name)
+    return alike
+
+
 def spread_of_average(runs: Sequence[Run], figure: str, scenes: Sequence[str]) -> float:
     """Spread over seeds of the average over scenes; only seeds that all scenes have count."""
     averages = []
@@ -71,7 +96,7 @@ def _spread(values: Sequence[float]) -> float:
 
 
 def provenance(runs: Sequence[Run]) -> Row:
-    """Where a row comes from (evaluation protocol 7); several values are joined by ``;``."""
+    """Where a row comes from; several values are joined by ``;``."""
 
     def joined(key: str) -> str:
         return ";".join(in_order([str(run.provenance[key]) for run in runs]))

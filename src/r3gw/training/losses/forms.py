@@ -2,20 +2,18 @@
 
 A loss is defined once, in plain torch (`reconstruction`, `geometry`, `separation`, `lighting`).
 `plain` puts those of a picture together; `fused` computes the same with kernels and falls back to
-`plain` where there are none. The setting ``losses`` chooses between them. A loss without a kernel
-needs no entry here: the objective adds its weighted tensor to the others.
+`plain` where there are none. The setting ``losses`` chooses between them (`choice`). A loss without
+a kernel needs no entry here: the objective adds its weighted tensor to the others.
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from jaxtyping import Bool, Float, UInt8
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
 from r3gw.training.losses.weighted import Weighted
-
-FormName = Literal["fused", "plain"]
 
 
 class PictureWeights(NamedTuple):

@@ -52,7 +52,7 @@ def sky_depth_loss(
         depths: Camera z of all Gaussians, foreground first. The foreground gets no gradient.
         is_visible: Whether each Gaussian shows in this view.
         num_foreground: How many of them are foreground.
-        gamma: Inverse length, per world unit.
+        gamma: How fast the loss falls with the distance, per world unit.
     """
     front, back = is_visible[:num_foreground], is_visible[num_foreground:]
     if not bool(front.any()) or not bool(back.any()):

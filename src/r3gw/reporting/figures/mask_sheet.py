@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from r3gw.imaging.files import read_rgb
 from r3gw.masks.folder import load_masks
-from r3gw.reporting.figures.style import Cell, look, picture_grid, save
+from r3gw.reporting.figures.style import Cell, in_rows, look, picture_grid, save
 from r3gw.scene import View, load_scene
+from r3gw.scene.selection import evenly
 
 TILE_PX = (320, 240)
 PER_ROW = 4
@@ -35,16 +36,12 @@ def mask_sheet(scene: str, scene_folder: Path, masks_folder: Path, target: Path)
         InputError: If a photo or mask is missing or of the wrong size.
     """
     views = load_scene(scene_folder).views
-    most = min(MOST_PHOTOS, len(views))
-    chosen = [views[i] for i in np.unique(np.linspace(0, len(views) - 1, most).astype(int))]
+    chosen = evenly(views, MOST_PHOTOS)
     cells = [
         Cell(_tile(view, scene_folder, masks_folder), f"{view.name} ({view.split})")
         for view in chosen
     ]
-    rows: list[list[Cell | None]] = []
-    for start in range(0, len(cells), PER_ROW):
-        row = cells[start : start + PER_ROW]
-        rows.append([*row, *[None] * (PER_ROW - len(row))])
+    rows = in_rows(cells, PER_ROW)
     counted = f"{len(chosen)} of {len(views)} photos"
     titles = ["pink: sky", "yellow: occluder, not used", "plain: foreground", counted]
     with look():

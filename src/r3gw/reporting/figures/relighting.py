@@ -2,16 +2,16 @@
 
 from matplotlib.figure import Figure
 
-from r3gw.evaluation.gallery import evenly
-from r3gw.reporting.figures.evaluated import Evaluated
 from r3gw.reporting.figures.style import Cell, picture_grid
+from r3gw.reporting.runs import Run
+from r3gw.scene.selection import evenly
 
 NUM_TURNS = 4
 NUM_LIGHTS = 4
 NUM_SHARED = 3
 
 
-def turned_figure(run: Evaluated) -> Figure:
+def turned_figure(run: Run) -> Figure:
     """Views under one map at several turns about the vertical, the map in the corner."""
     relit = run.relit
     step = len(relit.yaws_deg) // NUM_TURNS
@@ -24,7 +24,7 @@ def turned_figure(run: Evaluated) -> Figure:
     return picture_grid(rows, titles, list(relit.views))
 
 
-def learned_figure(run: Evaluated) -> Figure:
+def learned_figure(run: Run) -> Figure:
     """Views under lights learned for training photos, the lights in the corner."""
     relit = run.relit
     numbers = evenly(range(len(relit.photos)), NUM_LIGHTS)
@@ -36,7 +36,7 @@ def learned_figure(run: Evaluated) -> Figure:
     return picture_grid(rows, titles, list(relit.views))
 
 
-def shared_light_figure(run: Evaluated) -> Figure:
+def shared_light_figure(run: Run) -> Figure:
     """The same learned light and sky from two viewpoints: reflections follow the eye."""
     relit = run.relit
     numbers = evenly(range(len(relit.photos)), NUM_SHARED)

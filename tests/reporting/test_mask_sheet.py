@@ -8,7 +8,7 @@ from r3gw.importing.settings import NerfOsrScene
 from r3gw.importing.stage import import_scene
 from r3gw.masks.settings import MaskSources
 from r3gw.masks.stage import make_masks
-from r3gw.reporting.figures.masks import mask_sheet, overlay
+from r3gw.reporting.figures.mask_sheet import mask_sheet, overlay
 
 
 def test_overlay_tints_what_the_masks_say():

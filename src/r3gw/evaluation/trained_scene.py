@@ -22,7 +22,7 @@ from r3gw.scene import GroundTruth, Scene, View
 
 
 @dataclass(frozen=True)
-class Bench:
+class TrainedScene:
     """One trained model beside its scene.
 
     Attributes:
@@ -40,7 +40,7 @@ class Bench:
     @property
     def light_degree(self) -> int:
         """SH degree that lights are projected to: the model's own."""
-        return self.model.settings.model.light_degree
+        return self.model.description.light_degree
 
     def photo(self, view: View) -> Float[np.ndarray, "h w 3"]:
         """The view's photo, display values in [0, 1]."""
@@ -63,9 +63,8 @@ class Bench:
         return load_masks(self.masks_folder, view)
 
     def true_light(self, truth: GroundTruth) -> Float[Tensor, "coeff 3"]:
-        """SH light of the true HDR map in the photo's own units (exposure, white balance)."""
-        radiance = _projected(self.scene_folder / truth.env_map, self.light_degree)
-        return radiance * truth.exposure * torch.tensor(truth.white_balance)
+        """As the function `true_light`, in the model's degree."""
+        return true_light(self.scene_folder, truth, self.light_degree)
 
     @torch.no_grad()
     def render(self, view: View, light: Light) -> Float[np.ndarray, "h w 3"]:
@@ -77,6 +76,18 @@ class Bench:
         """
         colour = render(self.model, view.camera, light.sh, light.sky_coefficients).colour
         return colour.clamp(0.0, 1.0).double().numpy()
+
+
+def true_light(scene_folder: Path, truth: GroundTruth, degree: int) -> Float[Tensor, "coeff 3"]:
+    """SH light of the true HDR map in the photo's own units (exposure, white balance).
+
+    Args:
+        scene_folder: Folder of scene.json.
+        truth: What is known of the photo.
+        degree: Highest SH band.
+    """
+    radiance = _projected(scene_folder / truth.env_map, degree)
+    return radiance * truth.exposure * torch.tensor(truth.white_balance)
 
 
 def scored_pixels(scene_folder: Path, view: View) -> Bool[np.ndarray, "h w"]:

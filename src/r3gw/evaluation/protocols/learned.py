@@ -1,0 +1,36 @@
+"""The protocol ``learned``: a training view under the light that was learned for it."""
+
+from dataclasses import asdict
+from typing import Any
+
+from r3gw.evaluation.metrics import masked_psnr, score
+from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.evaluation.trained_scene import TrainedScene
+from r3gw.model.lights import photo_light
+from r3gw.scene import View
+
+
+class Learned(ViewProtocol):
+    """Training views under the light and sky that were learned for them, passers-by left out."""
+
+    name = "learned"
+    version = 1
+    split = "train"
+    suffix = "_learned"
+    title = "training views under their own lights"
+    light_title = "learned light"
+    rank = 1
+    extra_fields = ("psnr_foreground",)
+    is_pictured = True
+    study_metrics = ("psnr",)
+
+    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
+        """Score all valid pixels, and once more (``psnr_foreground``) those that are not sky."""
+        light = photo_light(trained.model, view.name)
+        photo, (is_valid, is_sky) = trained.photo(view), trained.masks(view)
+        picture = trained.render(view, light)
+        figures: dict[str, Any] = asdict(score(picture, photo, is_valid, view.name))
+        is_foreground = is_valid & ~is_sky
+        if is_foreground.any():
+            figures["psnr_foreground"] = masked_psnr(picture, photo, is_foreground, view.name)
+        return Outcome(picture, light, figures)

@@ -1,0 +1,54 @@
+"""What a model is: everything that its file must say so that its arrays can be read and drawn.
+
+How it was trained is another matter (`r3gw.training.settings`); a model file keeps that as a record
+which reading it does not need.
+"""
+
+from collections.abc import Sequence
+from typing import Annotated
+
+from pydantic import Field
+
+from r3gw.files.strict import Strict
+from r3gw.model.light_models.fixed import FixedDescription
+from r3gw.model.light_models.free import FreeDescription
+from r3gw.model.light_models.outdoor import OutdoorDescription
+
+LARGEST_LAYER = 4096  # A file from a stranger must not ask for more memory than this.
+LayerSize = Annotated[int, Field(ge=1, le=LARGEST_LAYER)]
+LightDescription = Annotated[
+    FreeDescription | OutdoorDescription | FixedDescription, Field(discriminator="kind")
+]
+
+
+class ModelDescription(Strict):
+    """What a trained scene is.
+
+    Attributes:
+        separate_sky: Whether the sky is a set of Gaussians of its own (Sec. 4.3).
+        specular: Whether surfaces reflect (Eq. 7) or are diffuse alone.
+        share_session_light: Whether photos of a session share one light, each with an exposure.
+        light: The light model and what it must know; its SH degree is the model's.
+        embedding_size, hidden_size, light_hidden_size: Widths of the appearance MLP.
+    """
+
+    separate_sky: bool
+    specular: bool
+    share_session_light: bool
+    light: LightDescription
+    embedding_size: LayerSize
+    hidden_size: LayerSize
+    light_hidden_size: LayerSize
+
+    @property
+    def light_degree(self) -> int:
+        """SH degree of every light that falls on the scene."""
+        return self.light.degree
+
+
+def light_rows(sessions: Sequence[str], share_session_light: bool) -> list[int]:
+    """Which embedding each photo uses: its own, or its session's where light is shared."""
+    if not share_session_light:
+        return list(range(len(sessions)))
+    known = list(dict.fromkeys(sessions))
+    return [known.index(session) for session in sessions]

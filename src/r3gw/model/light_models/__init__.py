@@ -1,0 +1,1 @@
+"""Light models: how the light of a training photo follows from what is learned of it."""

@@ -1,0 +1,110 @@
+"""The checkpoint of a run: a run that continues from one ends as if it had never stopped.
+
+It lies beside the run, under a name with the run's digest (`r3gw.training.run_digest`), so a state
+made of other photos, masks, points, settings or code is never continued. It is no declared output
+of the workflow (Snakemake deletes those of interrupted jobs) and goes when training ends.
+"""
+
+import logging
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from r3gw.files.arrays import read_arrays, write_arrays
+from r3gw.files.errors import InputError
+from r3gw.files.strict import validated
+from r3gw.model.model_file import ModelRecord, model_from, model_record, model_tensors
+from r3gw.training.settings import TrainSettings
+from r3gw.training.state import TrainingState, first_state
+
+log = logging.getLogger(__name__)
+
+MODEL, OPTIMIZER = "model.", "optimizer."
+STATISTICS = ("statistics.total", "statistics.views")
+GENERATORS = ("generator", "dropout")
+MOMENTS = ("step", "exp_avg", "exp_avg_sq")
+
+
+class Checkpoints:
+    """Saves a run every ``interval_s`` seconds and finds it again."""
+
+    def __init__(self, folder: Path, digest: str, interval_s: float = 300.0) -> None:
+        """Keep the checkpoint of the run with a digest in ``folder``."""
+        self.path = folder / f".checkpoint-{digest}.safetensors"
+        self.interval_s = interval_s
+        self._last = time.monotonic()
+
+    def restore(self, state: TrainingState) -> TrainingState:
+        """The saved state if there is one that can be read, else ``state``."""
+        if not self.path.is_file():
+            return state
+        try:
+            tensors, record = read_arrays(self.path, "checkpoint of r3gw")
+            restored = _state(tensors, record, state.settings, str(self.path))
+        except (InputError, KeyError, TypeError, ValueError, RuntimeError, IndexError) as error:
+            log.warning(
+                "%s cannot be continued from (%s): training starts afresh", self.path, error
+            )
+            return first_state(state.model, state.settings)
+        log.info("continuing from %s at iteration %d", self.path, restored.iteration)
+        return restored
+
+    def save_if_due(self, state: TrainingState) -> None:
+        """Write the state if the last checkpoint is old enough."""
+        if time.monotonic() - self._last < self.interval_s:
+            return
+        write_arrays(self.path, _tensors(state), _record(state))
+        self._last = time.monotonic()
+
+    def discard(self) -> None:
+        """Remove the checkpoint: the run is complete."""
+        self.path.unlink(missing_ok=True)
+
+
+def _tensors(state: TrainingState) -> dict[str, Tensor]:
+    tensors = {f"{MODEL}{name}": value for name, value in model_tensors(state.model).items()}
+    for index, parameter in enumerate(_parameters(state)):
+        for key, value in state.optimizer.state.get(parameter, {}).items():
+            tensors[f"{OPTIMIZER}{index}.{key}"] = value
+    statistics = (state.statistics.total, state.statistics.views)
+    generators = (state.generator.get_state(), torch.get_rng_state())
+    pairs = zip((*STATISTICS, *GENERATORS), (*statistics, *generators), strict=True)
+    return tensors | dict(pairs)
+
+
+def _record(state: TrainingState) -> dict[str, Any]:
+    return {
+        "model": model_record(state.model).model_dump(mode="json"),
+        "iteration": state.iteration,
+        "order": state.order.left,
+        "history": state.history.rows,
+        "seconds": state.history.seconds(),
+    }
+
+
+def _state(
+    tensors: Mapping[str, Tensor], record: Mapping[str, Any], settings: TrainSettings, source: str
+) -> TrainingState:
+    """Invert `_tensors` and `_record`; raises what a file of another form makes Python raise."""
+    arrays = {k.removeprefix(MODEL): v for k, v in tensors.items() if k.startswith(MODEL)}
+    model = model_from(arrays, validated(ModelRecord, record["model"], source), source)
+    state = first_state(model, settings)
+    for index, parameter in enumerate(_parameters(state)):
+        saved = {key: tensors.get(f"{OPTIMIZER}{index}.{key}") for key in MOMENTS}
+        if all(value is not None for value in saved.values()):
+            state.optimizer.state[parameter] = saved
+    state.statistics.total, state.statistics.views = (tensors[name] for name in STATISTICS)
+    state.order.left = [int(index) for index in record["order"]]
+    state.history.resume(list(record["history"]), float(record["seconds"]))
+    state.iteration = int(record["iteration"])
+    state.generator.set_state(tensors[GENERATORS[0]])
+    torch.set_rng_state(tensors[GENERATORS[1]])
+    return state
+
+
+def _parameters(state: TrainingState) -> list[Tensor]:
+    return [parameter for group in state.optimizer.param_groups for parameter in group["params"]]

@@ -1,0 +1,35 @@
+"""Which training belongs to which light model, and which one the settings ask for."""
+
+from collections.abc import Mapping
+
+from r3gw.model.light_models.base import LightModel
+from r3gw.model.light_models.fixed import FixedLight
+from r3gw.model.light_models.free import FreeLight
+from r3gw.model.light_models.outdoor import OutdoorLight
+from r3gw.training.lights.base import LightTraining, Seen
+from r3gw.training.lights.free import FreeTraining, first_free
+from r3gw.training.lights.outdoor import OutdoorTraining, first_outdoor
+from r3gw.training.settings import TrainSettings
+
+TRAININGS: Mapping[type[LightModel], LightTraining] = {
+    FreeLight: FreeTraining(),
+    OutdoorLight: OutdoorTraining(),
+    FixedLight: LightTraining(),  # nothing about known lights is learned
+}
+
+
+def first_light(settings: TrainSettings, seen: Seen) -> LightModel:
+    """The light model that the settings ask for, before training.
+
+    Args:
+        settings: The settings of the run.
+        seen: For each embedding, the skies that its photos show.
+    """
+    if settings.outdoor.enabled:
+        return first_outdoor(settings, seen)
+    return first_free(settings)
+
+
+def training_of(light_model: LightModel) -> LightTraining:
+    """How a light model is trained."""
+    return TRAININGS[type(light_model)]

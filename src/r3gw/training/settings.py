@@ -1,0 +1,136 @@
+"""Hyperparameters of one training. Values live in config/train.yaml; here are names and limits."""
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field
+
+from r3gw.files.strict import Strict, read_yaml, validated
+from r3gw.model.description import LARGEST_LAYER
+from r3gw.model.settings import InitSettings, OcclusionSettings, SkySettings
+
+# How losses are computed: by kernels, or in plain torch (r3gw.training.losses.forms).
+FormName = Literal["fused", "plain"]
+
+# What `short_run_boost` multiplies.
+SLOW_RATES = ("albedo", "roughness", "sky_radius", "embedding", "mlp")
+
+
+class ModelSettings(Strict):
+    """What is modelled, and the noise and dropout under which it is learned."""
+
+    separate_sky: bool
+    specular: bool
+    light_degree: Literal[2, 4]
+    share_session_light: bool
+    embedding_size: int = Field(ge=1, le=LARGEST_LAYER)
+    hidden_size: int = Field(ge=1, le=LARGEST_LAYER)
+    light_hidden_size: int = Field(ge=1, le=LARGEST_LAYER)
+    dropout: float = Field(ge=0, lt=1)
+    light_noise: float = Field(ge=0)
+
+
+class RateSettings(Strict):
+    """Adam's learning rates."""
+
+    position_first: float = Field(gt=0)
+    position_last: float = Field(gt=0)
+    position_iterations: int = Field(gt=0)
+    spatial_scale: float = Field(gt=0)
+    opacity: float = Field(gt=0)
+    scale: float = Field(gt=0)
+    rotation: float = Field(gt=0)
+    albedo: float = Field(gt=0)
+    roughness: float = Field(gt=0)
+    sky_radius: float = Field(gt=0)
+    embedding: float = Field(gt=0)
+    mlp: float = Field(gt=0)
+    short_run_boost: float = Field(ge=1)
+
+    def named(self, name: str) -> float:
+        """A rate at the first iteration: "position", or a field, boosted if it is a slow one."""
+        if name == "position":
+            return self.position_first * self.spatial_scale
+        rate: float = getattr(self, name)
+        return rate * self.short_run_boost if name in SLOW_RATES else rate
+
+
+class WeightSettings(Strict):
+    """Weights of the losses (Eq. 12-17); 0 switches a loss off."""
+
+    ssim: float = Field(ge=0, le=1)
+    light: float = Field(ge=0)
+    normal: float = Field(ge=0)
+    scale: float = Field(ge=0)
+    separation: float = Field(ge=0)
+    sky_depth: float = Field(ge=0)
+    sky_depth_gamma: float = Field(gt=0)
+    light_directions: int = Field(ge=1)
+    light_domain: str = Field(pattern="^(hemisphere|sphere)$")
+
+
+class DensitySettings(Strict):
+    """Clone, split, prune and opacity reset.
+
+    No resets where the interval is null; a threshold whose last value is null keeps the first.
+    """
+
+    first: int = Field(ge=0)
+    last: int = Field(ge=0)
+    interval: int = Field(gt=0)
+    threshold_first: float = Field(gt=0)
+    threshold_last: float | None = Field(gt=0)
+    large_scale: float = Field(gt=0)
+    huge_scale: float = Field(gt=0)
+    min_opacity: float = Field(gt=0, lt=1)
+    reset_interval: int | None = Field(gt=0)
+    reset_opacity: float = Field(gt=0, lt=1)
+    max_gaussians: int = Field(gt=0)
+    sky_share: float = Field(gt=0, le=1)
+
+
+class SilhouetteSettings(Strict):
+    """The foreground's opacity in place of Eq. 15 (`silhouette_loss`); not in the paper."""
+
+    enabled: bool
+    solid: float = Field(ge=0)
+
+
+class OutdoorSettings(Strict):
+    """Sun, sky and ground instead of free light (r3gw.lighting.outdoor); not in the paper."""
+
+    enabled: bool
+    ground_reflectance: float = Field(ge=0, le=1)
+    sun_power: float = Field(gt=0)
+    sun_rate: float = Field(gt=0)
+    visible_sky: float = Field(ge=0)
+    sky_gradient: float = Field(ge=0)
+
+
+class TrainSettings(Strict):
+    """Everything that changes the result of one training."""
+
+    iterations: int = Field(ge=1)
+    paper_iterations: int = Field(ge=1)
+    losses: FormName
+    warm_up: int = Field(ge=0)
+    geometry_losses_from: int = Field(ge=0)
+    seed: int = Field(ge=0)
+    model: ModelSettings
+    init: InitSettings
+    rates: RateSettings
+    weights: WeightSettings
+    density: DensitySettings
+    sky: SkySettings
+    silhouette: SilhouetteSettings
+    occlusion: OcclusionSettings
+    outdoor: OutdoorSettings
+
+
+def load_train_settings(path: Path) -> TrainSettings:
+    """Read the resolved settings of one run (``settings.json``; JSON is YAML too).
+
+    Raises:
+        InputError: If a key is unknown, missing or out of range.
+    """
+    return validated(TrainSettings, read_yaml(path), str(path))

@@ -1,0 +1,86 @@
+"""The model that a training starts from."""
+
+from collections.abc import Sequence
+
+import torch
+
+from r3gw.lighting import sh
+from r3gw.model.appearance import Appearance
+from r3gw.model.description import ModelDescription, light_rows
+from r3gw.model.foreground import initial_foreground
+from r3gw.model.initial import InitialPoints
+from r3gw.model.light_models.base import LightModel
+from r3gw.model.model import SceneModel
+from r3gw.model.rows import OCCLUSION
+from r3gw.model.sky import initial_sky
+from r3gw.training.lights.base import Seen
+from r3gw.training.lights.kinds import first_light
+from r3gw.training.settings import TrainSettings
+from r3gw.training.visible_sky import VisibleSky
+
+
+def initial_model(
+    initial: InitialPoints,
+    photos: tuple[str, ...],
+    settings: TrainSettings,
+    sessions: tuple[str, ...] | None = None,
+    seen: Sequence[VisibleSky | None] = (),
+    light_model: LightModel | None = None,
+) -> SceneModel:
+    """Build the model that training starts from.
+
+    Args:
+        initial: Points of both sets.
+        photos: Names of the training photos.
+        settings: The settings of the run.
+        sessions: The photos' sessions; by default each photo is a session of its own.
+        seen: What each photo shows of its sky, if any.
+        light_model: The light model to use; None takes the one that the settings ask for.
+    """
+    sessions = photos if sessions is None else sessions
+    generator = torch.Generator().manual_seed(settings.seed)
+    dome, points, angles = initial.dome, initial.foreground, initial.sky_angles
+    if not settings.model.separate_sky:
+        points = torch.cat([points, initial.sky_points()])
+        angles = angles[:0]
+    rows = light_rows(sessions, settings.model.share_session_light)
+    if light_model is None:
+        light_model = first_light(settings, _seen_by_row(rows, seen))
+    description = _description(settings, light_model)
+    foreground = initial_foreground(points, settings.init)
+    if settings.occlusion.enabled:
+        size = sh.num_coefficients(description.light_degree)
+        foreground.add_computed(OCCLUSION, torch.zeros(len(points), size))
+    return SceneModel(
+        description,
+        foreground,
+        initial_sky(dome, angles, settings.init),
+        Appearance(rows, description, light_model, generator),
+        photos,
+        sessions,
+    )
+
+
+def _seen_by_row(rows: Sequence[int], seen: Sequence[VisibleSky | None]) -> Seen:
+    """Per row of the embedding, the skies that its photos show."""
+    found: list[list[VisibleSky]] = [[] for _ in range(max(rows) + 1)]
+    for row, sky in zip(rows, seen, strict=False):
+        if sky is not None:
+            found[row].append(sky)
+    return found
+
+
+def _description(settings: TrainSettings, light_model: LightModel) -> ModelDescription:
+    """What settings and light make of a model."""
+    model = settings.model
+    return ModelDescription.model_validate(
+        {
+            "separate_sky": model.separate_sky,
+            "specular": model.specular,
+            "share_session_light": model.share_session_light,
+            "light": light_model.describe(),
+            "embedding_size": model.embedding_size,
+            "hidden_size": model.hidden_size,
+            "light_hidden_size": model.light_hidden_size,
+        }
+    )
