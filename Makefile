@@ -4,7 +4,7 @@
 PYTHON ?= python3.11
 CORES ?= 2
 BIN := .venv/bin
-SOURCES := pyproject.toml setup.py $(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
+SOURCES := pyproject.toml setup.py src/r3gw/native/build.py $(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
 .PHONY: all ablations test test-quick lint sanitize clean
 

@@ -5,9 +5,11 @@ machines (slower); ``R3GW_SANITIZE=1`` adds the address and undefined-behaviour 
 """
 
 import os
+import runpy
 import shutil
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 from setuptools import setup
 from torch.utils.cpp_extension import BuildExtension, CppExtension
@@ -31,11 +33,21 @@ if os.environ.get("R3GW_SANITIZE") == "1":
     flags += sanitizers
     link_flags += sanitizers
 
+# A source of its own says what the extension was built from, so that an edit compiles that file and
+# the edited ones alone. It is written again only if it changes.
+package = Path("src/r3gw")
+build = SimpleNamespace(**runpy.run_path(str(package / "native/build.py")))
+built = build.BuiltFrom(build.sources_digest(package), build.flags_digest([*flags, *link_flags]))
+mark = Path("build/built_from.cpp")
+if not mark.is_file() or mark.read_text() != build.mark(built):
+    mark.parent.mkdir(exist_ok=True)
+    mark.write_text(build.mark(built))
+
 setup(
     ext_modules=[
         CppExtension(
             "r3gw._C",
-            sorted(str(path) for path in Path("src/r3gw").glob("**/csrc/*.cpp")),
+            [*sorted(str(path) for path in package.glob("**/csrc/*.cpp")), str(mark)],
             include_dirs=[str(Path("src/r3gw").resolve())],
             extra_compile_args=flags,
             extra_link_args=link_flags,

@@ -8,14 +8,16 @@ import click
 from r3gw.cli import check, data, report, runs, score, use  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
+from r3gw.native.code import EXTENSION, MISSING, require_current_extension
 
 
 def main() -> None:
-    """Run the command line.
+    """Run the command line, unless its kernels are older than their sources.
 
     Bad input, and what the operating system refuses, end in one sentence and exit status 2.
     """
     try:
+        require_current_extension()
         cli()
     except InputError as error:
         _stop(str(error))
@@ -23,6 +25,10 @@ def main() -> None:
         _stop(sentence_of(error))
     except MemoryError:
         _stop("there is not enough memory; close other programs or use smaller pictures")
+    except ModuleNotFoundError as error:
+        if error.name != EXTENSION:
+            raise
+        _stop(MISSING)
 
 
 def _stop(sentence: str) -> None:

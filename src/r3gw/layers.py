@@ -1,8 +1,8 @@
 """Import order of r3gw, bottom to top: a package imports only from layers below its own."""
 
 LAYERS = (
-    ("native", "files"),
-    ("geometry", "imaging"),
+    ("files",),
+    ("native", "geometry", "imaging"),
     ("lighting", "scene"),
     ("benchmark", "masks", "raster"),
     ("importing", "model"),

@@ -5,8 +5,6 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -42,11 +40,13 @@ TWO = CONFIG | {"scenes": CONFIG["scenes"] | {"twin": CONFIG["scenes"]["tiny"] |
 
 
 def checkout(repository: Path, folder: Path) -> Path:
-    """Copy what the workflow is made of, so that tests may edit it."""
+    """Copy what the workflow is made of, the package too, so that tests may edit it."""
     for name in ("workflow", "config", "src"):
         without = shutil.ignore_patterns("*.so", "__pycache__", "*.egg-info")
         shutil.copytree(repository / name, folder / name, ignore=without)
     shutil.copy(repository / "Snakefile", folder)
+    for extension in (repository / "src/r3gw").glob("_C*.so"):
+        (folder / "src/r3gw" / extension.name).symlink_to(extension)
     return folder
 
 
@@ -56,7 +56,10 @@ def snakemake(
     """Run the workflow of the copy in ``folder``."""
     (folder / "mine.yaml").write_text(yaml.safe_dump(config))
     command = [sys.executable, "-m", "snakemake", "--cores", "2", "--configfile", "mine.yaml"]
-    environment = os.environ | {"XDG_CACHE_HOME": str(folder / "cache")}
+    environment = os.environ | {
+        "XDG_CACHE_HOME": str(folder / "cache"),
+        "PYTHONPATH": str(folder / "src"),
+    }
     return subprocess.run(
         [*command[:3], *arguments, *command[3:]],
         capture_output=True, text=True, check=False, env=environment, cwd=folder,
@@ -89,14 +92,3 @@ def planned(folder: Path, target: str, config: dict[str, Any] = CONFIG) -> set[s
 def scenes_of(rule: str, jobs: Jobs) -> set[str | None]:
     """Scenes for which jobs hold a rule."""
     return {scene for name, scene in jobs if name == rule}
-
-
-@contextmanager
-def edited(path: Path) -> Iterator[None]:
-    """Append an empty line to a source file for a while."""
-    before = path.read_text()
-    path.write_text(before + "# edited\n")
-    try:
-        yield
-    finally:
-        path.write_text(before)

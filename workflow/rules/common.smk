@@ -3,13 +3,12 @@ import json
 import re
 import sys
 from functools import cache
-from hashlib import sha256
 from pathlib import Path
 from subprocess import CalledProcessError
 
 from r3gw.files import InputError
-from r3gw.layers import LAYERS
 from r3gw.reporting.figures.kinds import PICTURES, PLOTS
+from r3gw.pipeline.code import StageCode
 from r3gw.pipeline.config import load_config, run_settings
 from snakemake.exceptions import WorkflowError
 
@@ -55,31 +54,21 @@ wildcard_constraints:
     seed=r"\d+",
 
 
-SOURCES = {".py", ".cpp", ".h", ".j2", ".css", ".js"}
+STAGES = StageCode()
 
 
 @cache
-def library(package):
-    """Digest of the sources of an r3gw package and of every layer below it.
+def code_of(command):
+    """Digest of the code that a stage can reach, which is a parameter of its rule.
 
-    A parameter of the rules: an edit makes again what it concerns, as a changed input would, but
-    Snakemake does not look at two hundred files again for every job of the graph.
+    An edit makes again what it concerns, as a changed input would, but Snakemake does not look at
+    two hundred files again for every job of the graph. An extension that is older than its sources
+    stops the workflow: its results would be recorded as those of the new code.
     """
-    below = []
-    for layer in LAYERS:
-        if package in layer:
-            break
-        below += layer
-    else:
-        raise ValueError(f"no layer of r3gw holds the package {package!r}")
-    root = Path(workflow.basedir) / "src/r3gw"
-    digest = sha256()
-    for name in [*below, package]:
-        for path in sorted((root / name).rglob("*")):
-            if path.suffix in SOURCES:
-                digest.update(f"{path.relative_to(root)}\n".encode())
-                digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+    try:
+        return STAGES.digest(command)
+    except InputError as error:
+        raise WorkflowError(str(error))
 
 
 def config_json():

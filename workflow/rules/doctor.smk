@@ -70,7 +70,7 @@ rule doctor:
         "logs/doctor.log",
     priority: 100
     params:
-        code=library("pipeline"),
+        code=code_of("doctor"),
         config=config_json(),
         defaults=DEFAULTS,
     shell:
@@ -88,7 +88,7 @@ rule mask_sheet:
     log:
         "logs/mask_sheet/{scene}.log",
     params:
-        code=library("reporting"),
+        code=code_of("mask-sheet"),
     shell:
         "python -m r3gw mask-sheet --name {wildcards.scene}"
         " --scene results/{wildcards.scene}/scene --masks results/{wildcards.scene}/masks"

@@ -15,7 +15,7 @@ rule evaluate:
     log:
         "logs/evaluate/{scene}.{variant}.seed{seed}.log",
     params:
-        code=library("evaluation"),
+        code=code_of("evaluate"),
     shell:
         "python -m r3gw evaluate --scene results/{wildcards.scene}/scene"
         " --masks results/{wildcards.scene}/masks --model {input.model}"

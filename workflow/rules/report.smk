@@ -29,7 +29,7 @@ rule table1:
     log:
         "logs/table1.log",
     params:
-        code=library("reporting"),
+        code=code_of("tables"),
     shell:
         "python -m r3gw tables --kind table1 --published {input.published}"
         " --target results {input.metrics} > {log} 2>&1"
@@ -53,7 +53,7 @@ rule ablation_table:
     log:
         "logs/ablations.log",
     params:
-        code=library("reporting"),
+        code=code_of("tables"),
     shell:
         "python -m r3gw tables --kind ablations --target results {input.metrics} > {log} 2>&1"
 
@@ -77,7 +77,7 @@ rule study_table:
     log:
         "logs/study.log",
     params:
-        code=library("reporting"),
+        code=code_of("study"),
         baseline=STUDY.baseline if STUDY else "",
     shell:
         "python -m r3gw study --baseline {params.baseline} --target {output.csv}"
@@ -95,7 +95,7 @@ rule figures:
     log:
         "logs/figures/{scene}.log",
     params:
-        code=library("reporting"),
+        code=code_of("figures"),
         runs=figure_runs,
     shell:
         "python -m r3gw figures --name {wildcards.scene}"
@@ -120,7 +120,7 @@ rule html_report:
     log:
         "logs/report.log",
     params:
-        code=library("reporting"),
+        code=code_of("report"),
         scenes=collect("--scene {scene}", scene=SCENES),
         variants=collect("--variant {variant}", variant=CONFIG.variants),
         seed=CONFIG.seeds[0],

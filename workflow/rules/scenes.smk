@@ -13,7 +13,7 @@ rule generate:
     priority: 10
     threads: GENERATE_THREADS
     params:
-        code=library("benchmark"),
+        code=code_of("generate"),
         settings=benchmark_json,
     shell:
         "python -m r3gw generate --settings {params.settings:q} --target {output}"
@@ -32,7 +32,7 @@ rule import_scene:
     priority: 10
     threads: 2
     params:
-        code=library("importing"),
+        code=code_of("import"),
         entry=source_json,
     shell:
         "python -m r3gw import --scene {wildcards.scene} --entry {params.entry:q}"
@@ -49,7 +49,7 @@ rule masks:
         "logs/masks/{scene}.log",
     priority: 10
     params:
-        code=library("masks"),
+        code=code_of("masks"),
         sources=mask_sources,
     shell:
         "python -m r3gw masks --scene results/{wildcards.scene}/scene"
@@ -66,7 +66,7 @@ rule initialise:
         "logs/initialise/{scene}.log",
     priority: 10
     params:
-        code=library("model"),
+        code=code_of("initialise"),
         sky=sky_json,
     shell:
         "python -m r3gw initialise --scene results/{wildcards.scene}/scene"

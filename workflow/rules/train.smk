@@ -37,7 +37,7 @@ rule train:
     resources:
         mem_mb=1200,
     params:
-        code=library("training"),
+        code=code_of("train"),
     shell:
         "python -m r3gw train --scene results/{wildcards.scene}/scene"
         " --masks results/{wildcards.scene}/masks --initial {input.initial}"

@@ -1,0 +1,83 @@
+"""The digest of the code that a stage can reach: modules, their data files, compiled kernels."""
+
+import hashlib
+from collections.abc import Iterable
+from pathlib import Path
+
+import r3gw
+from r3gw.files import InputError
+from r3gw.files.imports import Imports
+from r3gw.native.build import built_from, extension_file, kernel_sources, sources_digest
+
+EXTENSION = "r3gw._C"
+PACKAGE = Path(r3gw.__file__).parent
+_REMEDY = "build it again: `make`, or `python setup.py build_ext --inplace` in the checkout"
+MISSING = f"the compiled extension r3gw._C is missing; {_REMEDY}"
+_NO_DATA = {".py", ".pyc", ".pyi", ".typed", ".so", ".cpp", ".h"}
+
+
+def code_digest(modules: Iterable[str], imports: Imports) -> str:
+    """Digest of everything that ``modules`` can reach by import.
+
+    Counts each module's source, the data files in its folder and, if the extension is reached,
+    what that was built from: its sources count only once they are compiled.
+
+    Args:
+        modules: Full names, such as ``r3gw.training.run``.
+        imports: Of the package r3gw.
+
+    Raises:
+        InputError: If the extension is reached, but is missing or built from other sources than
+            those beside it.
+    """
+    package = imports.package
+    reached = imports.reached(modules)
+    digest = hashlib.sha256()
+    files = {path for name in reached if (path := imports.path(name)) is not None}
+    files |= {data for folder in {path.parent for path in files} for data in _data_files(folder)}
+    for path in sorted(files):
+        digest.update(f"{path.relative_to(package).as_posix()}\n".encode())
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    if EXTENSION in reached:
+        digest.update(f"{EXTENSION} {extension_digest(package)}\n".encode())
+    return digest.hexdigest()[:16]
+
+
+def extension_digest(package: Path = PACKAGE) -> str:
+    """Digest of the sources and flags that the compiled extension was built from.
+
+    Raises:
+        InputError: If it is missing, or was built from other sources than those beside it.
+    """
+    extension = extension_file(package)
+    if extension is None:
+        raise InputError(f"{package}: {MISSING}")
+    built = built_from(extension)
+    if built is None:
+        raise InputError(f"{extension}: does not say which sources it was built from; {_REMEDY}")
+    if kernel_sources(package) and built.sources != sources_digest(package):
+        raise InputError(
+            f"{extension}: was built from other sources than those beside it, so results would be "
+            f"those of old kernels; {_REMEDY}"
+        )
+    return f"{built.sources}-{built.flags}"
+
+
+def require_current_extension(package: Path = PACKAGE) -> None:
+    """Refuse to go on with an extension that is out of date; without one, nothing is refused.
+
+    Raises:
+        InputError: If the extension was built from other sources than those beside it.
+    """
+    if extension_file(package) is not None:
+        extension_digest(package)
+
+
+def _data_files(folder: Path) -> Iterable[Path]:
+    """Files that the code in a package's folder reads: templates and the like, not sources."""
+    for path in folder.iterdir():
+        if path.is_dir() and not (path / "__init__.py").is_file():
+            if path.name not in {"csrc", "__pycache__"}:
+                yield from (each for each in path.rglob("*") if each.is_file())
+        elif path.is_file() and path.suffix not in _NO_DATA:
+            yield path
