@@ -63,7 +63,7 @@ def gentle_adam(monkeypatch):
 
 
 def assert_agree(found, expected):
-    """Losses within 0.1 %, pictures within a quarter of a grey level, as many Gaussians."""
+    """Losses within 0.1 %, pictures within a twentieth of a grey level on average, counts equal."""
     ours, theirs = found[1], expected[1]
     assert len(ours) == ITERATIONS
     losses = [name for name in ours if name.startswith("loss_")]
@@ -75,7 +75,9 @@ def assert_agree(found, expected):
     assert theirs.num_foreground.iloc[-1] > 160  # both sets were densified
     for name in ("num_foreground", "num_sky"):
         assert ours[name].iloc[-1] == theirs[name].iloc[-1]
-    torch.testing.assert_close(pictures(found[0]), pictures(expected[0]), rtol=0, atol=1e-3)
+    difference = (pictures(found[0]) - pictures(expected[0])).abs()
+    assert float(difference.mean()) < 2e-4
+    assert float(difference.max()) < 0.01
 
 
 @pytest.mark.parametrize("silhouette", [False, True])
