@@ -21,8 +21,8 @@ import torch
 from jaxtyping import Float
 
 from r3gw.evaluation.decomposition import scale_per_channel, surface_records
+from r3gw.evaluation.evaluated_scene import EvaluatedScene, true_light
 from r3gw.evaluation.metrics import masked_psnr
-from r3gw.evaluation.trained_scene import TrainedScene, true_light
 from r3gw.files import atomic_path
 from r3gw.files.strict import read_yaml
 from r3gw.geometry.cameras import pixel_rays
@@ -60,7 +60,7 @@ def true_points(scene: Scene, folder: Path) -> Float[torch.Tensor, "n 3"]:
     return torch.cat(found)
 
 
-def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> TrainedScene:
+def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> EvaluatedScene:
     """A model of one scene, started from its true points."""
     scene_folder, masks_folder = folder / "scene", folder / "masks"
     scene = load_scene(scene_folder)
@@ -81,8 +81,8 @@ def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> Tra
         [photo.seen_sky for photo in photos],
         light_model,
     )
-    model, _ = train(model, photos, settings)
-    return TrainedScene(model, scene, scene_folder, masks_folder)
+    model = train(model, photos, settings).model
+    return EvaluatedScene(model, scene, scene_folder, masks_folder)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Shown:
         return np.asarray(inside / np.maximum(weight, 1e-6)[..., None])
 
 
-def shown(case: TrainedScene) -> Iterator[tuple[Shown, Shown]]:
+def shown(case: EvaluatedScene) -> Iterator[tuple[Shown, Shown]]:
     """Every test view as the model has it, and as it is."""
     for view in case.scene.split("test"):
         assert view.truth is not None  # embedded scenes have it
@@ -113,7 +113,7 @@ def shown(case: TrainedScene) -> Iterator[tuple[Shown, Shown]]:
         yield Shown(ours.albedo, ours.normal, mask), Shown(truth["albedo"], truth["normal"], mask)
 
 
-def compared(case: TrainedScene) -> tuple[dict[str, float], np.ndarray]:
+def compared(case: EvaluatedScene) -> tuple[dict[str, float], np.ndarray]:
     """Figures over the test views, and a picture of the first: truth above, ours below."""
     records = surface_records(case)
     figures = {

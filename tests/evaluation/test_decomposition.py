@@ -16,7 +16,7 @@ from r3gw.evaluation.decomposition import (
     sky_records,
     surface_records,
 )
-from r3gw.evaluation.trained_scene import TrainedScene
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import write_exr
 from r3gw.lighting import envmap
@@ -55,16 +55,16 @@ def test_no_outline_no_band(value):
 
 
 def test_shares_add_up_to_the_picture(tiny):
-    trained, view = tiny.trained, tiny.view("a_0")
+    evaluated, view = tiny.evaluated, tiny.view("a_0")
     light, sky_light, _ = tiny.model.appearance(0)
-    whole = trained.render(view, Light(light.detach(), LearnedSky(sky_light.detach())))
+    whole = evaluated.render(view, Light(light.detach(), LearnedSky(sky_light.detach())))
     foreground, sky = apart(tiny.model, view.camera, light.detach(), sky_light.detach())
     np.testing.assert_allclose(np.clip(foreground + sky, 0, 1), whole, rtol=0, atol=1e-5)
     assert foreground[:8].max() < 0.05
     assert sky[20:].mean() < 0.05
 
 
-def trained_with(tiny, name: str, **truths: np.ndarray) -> TrainedScene:
+def evaluated_with(tiny, name: str, **truths: np.ndarray) -> EvaluatedScene:
     """The tiny scene with other true albedo, normals or depth in its exact view; sky stays 0."""
     view, paths = tiny.view("b_exact"), {}
     for kind, values in truths.items():
@@ -73,7 +73,7 @@ def trained_with(tiny, name: str, **truths: np.ndarray) -> TrainedScene:
         paths[kind] = f"ground_truth/{kind}/{name}.exr"
         write_exr(tiny.folder / paths[kind], picture)
     view = view.model_copy(update={"truth": view.truth.model_copy(update=paths)})
-    return replace(tiny.trained, scene=tiny.trained.scene.model_copy(update={"views": (view,)}))
+    return replace(tiny.evaluated, scene=tiny.evaluated.scene.model_copy(update={"views": (view,)}))
 
 
 def tilted(normals: np.ndarray, degrees: float) -> np.ndarray:
@@ -85,14 +85,14 @@ def tilted(normals: np.ndarray, degrees: float) -> np.ndarray:
 
 def test_albedo_up_to_scale_normals_tilted_depth_stretched(tiny):
     ours = surfaces_of(tiny.model, tiny.view("b_exact").camera)
-    trained = trained_with(
+    evaluated = evaluated_with(
         tiny,
         "changed",
         albedo=ours.albedo * np.array([0.5, 1.0, 2.0]),
         normal=tilted(ours.normal, 10.0),
         depth=ours.depth[..., None] * 1.25,
     )
-    (record,) = surface_records(trained)
+    (record,) = surface_records(evaluated)
     assert record["view"] == "b_exact"
     assert record["albedo_psnr"] == pytest.approx(60.0, rel=0, abs=1e-3)
     assert record["normal_mean_deg"] == pytest.approx(10.0, rel=0, abs=1e-3)
@@ -103,7 +103,7 @@ def test_albedo_up_to_scale_normals_tilted_depth_stretched(tiny):
 def test_albedo_off_in_one_channel_is_told_per_channel(tiny):
     off = surfaces_of(tiny.model, tiny.view("b_exact").camera).albedo.copy()
     off[..., 2] += 0.2 * (np.arange(48) % 2)
-    (record,) = surface_records(trained_with(tiny, "off", albedo=off))
+    (record,) = surface_records(evaluated_with(tiny, "off", albedo=off))
     assert record["albedo_psnr_r"] > 59
     assert record["albedo_psnr_b"] < 25
     mean = np.mean([record[f"albedo_psnr_{c}"] for c in "rgb"])
@@ -111,20 +111,20 @@ def test_albedo_off_in_one_channel_is_told_per_channel(tiny):
 
 
 def test_light_error_forgives_one_scale_for_the_scene(tiny):
-    view, trained = tiny.view("a_0"), tiny.trained
+    view, evaluated = tiny.view("a_0"), tiny.evaluated
     light, *_ = tiny.model.appearance(0)
     path = tiny.folder / "envmaps" / "learned.exr"
     write_exr(path, envmap.draw(light.detach(), 64).numpy() * np.float32([3.0, 1.0, 0.5]))
     truth = tiny.view("b_exact").truth.model_copy(update={"env_map": "envmaps/learned.exr"})
     views = (view.model_copy(update={"truth": truth}),)
-    scene = trained.scene.model_copy(update={"views": views})
-    (record,) = light_records(replace(trained, scene=scene))
+    scene = evaluated.scene.model_copy(update={"views": views})
+    (record,) = light_records(replace(evaluated, scene=scene))
     assert record["light_error"] < 5e-3
     assert record["light_error_diffuse"] < 5e-3
 
 
 def test_sky_figures(tiny):
-    records = sky_records(tiny.trained)
+    records = sky_records(tiny.evaluated)
     assert [record["view"] for record in records] == ["a_0", "a_1"]
     for record in records:
         assert record["sky_boundary_psnr"] > 50

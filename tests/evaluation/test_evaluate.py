@@ -78,6 +78,7 @@ def test_lights_are_those_of_the_model(tiny, tmp_path):
     assert len(lights["a_0"]["light"]) == sh.num_coefficients(4)
 
 
+@pytest.mark.slow
 def test_same_inputs_give_the_same_bytes(tiny, tmp_path):
     for name in ("one", "two"):
         evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path / name, num_threads=1)

@@ -25,7 +25,7 @@ def uncovered(tiny, view: str) -> np.ndarray:
 def gallery(tiny, tmp_path_factory):
     """The gallery of the tiny scene."""
     folder = tmp_path_factory.mktemp("gallery")
-    write_gallery(tiny.trained, folder)
+    write_gallery(tiny.evaluated, folder)
     return folder
 
 
@@ -54,7 +54,7 @@ def test_learned_lights_come_from_one_photo_per_session(tiny, gallery):
     light = photo_light(tiny.model, "a_0")
     looks = torch.nn.functional.normalize(pixel_rays(view.camera), dim=-1)  # it is not turned
     behind = (sh.radiance(light.sky_coefficients, looks) + 0.5).clamp(0.0, 1.0).numpy()
-    expected = tiny.trained.render(view, light) + uncovered(tiny, "c_swept") * behind
+    expected = tiny.evaluated.render(view, light) + uncovered(tiny, "c_swept") * behind
     picture = read_rgb(gallery / "learned" / "c_swept_0.png")
     np.testing.assert_allclose(picture, 255 * expected, rtol=0, atol=0.52)
 

@@ -21,7 +21,7 @@ BEST_INDEX, SWEEP_RAD = 17, (-1.0, 1.5)
 
 
 def test_sweep_finds_the_angle_that_lit_the_photo(tiny):
-    outcome = NerfOsr().evaluate(tiny.trained, tiny.view("c_swept"))
+    outcome = NerfOsr().evaluate(tiny.evaluated, tiny.view("c_swept"))
     figures = outcome.figures
     assert int(np.argmax(figures["sweep_psnr"])) == BEST_INDEX
     assert figures["angle_rad"] == pytest.approx(-1.0 + 2.5 * BEST_INDEX / 50, rel=1e-12, abs=0)
@@ -32,14 +32,16 @@ def test_sweep_finds_the_angle_that_lit_the_photo(tiny):
 
 
 def test_the_whole_circle_holds_the_best_angle_to_its_step(tiny):
-    figures = FullYaw().evaluate(tiny.trained, tiny.view("c_swept")).figures
+    figures = FullYaw().evaluate(tiny.evaluated, tiny.view("c_swept")).figures
     angles = np.array(figures["sweep_angles_rad"])
     np.testing.assert_allclose(np.diff(angles), 2 * np.pi / 48, rtol=1e-9, atol=0)
     assert angles[0] == -np.pi
     true = -1.0 + 2.5 * BEST_INDEX / 50
     assert abs(figures["angle_rad"] - true) <= np.pi / 48
     assert figures["psnr"] == max(figures["sweep_psnr"])
-    assert figures["psnr"] < NerfOsr().evaluate(tiny.trained, tiny.view("c_swept")).figures["psnr"]
+    assert (
+        figures["psnr"] < NerfOsr().evaluate(tiny.evaluated, tiny.view("c_swept")).figures["psnr"]
+    )
 
 
 @pytest.mark.parametrize("exposure", [0.25, 0.6])
@@ -51,10 +53,10 @@ def test_the_linear_protocol_finds_angle_and_exposure(tiny, exposure):
     angle_rad = -1.0 + 2.5 * BEST_INDEX / 50
     directions = envmap.published_directions(16, 32, -1.6, angle_rad)
     light = exposure * envmap.project(linear, directions, 4)
-    picture = tiny.trained.render(view, Light(light))
+    picture = tiny.evaluated.render(view, Light(light))
     write_image(tiny.folder / "images" / "linear.png", bytes_from_display(picture))
     photo = view.model_copy(update={"image": "images/linear.png"})
-    figures = NerfOsrLinear().evaluate(tiny.trained, photo).figures
+    figures = NerfOsrLinear().evaluate(tiny.evaluated, photo).figures
     assert int(np.argmax(figures["sweep_psnr"])) == BEST_INDEX
     assert figures["angle_rad"] == pytest.approx(angle_rad, rel=1e-12, abs=0)
     assert figures["exposure"] == pytest.approx(exposure, rel=0.01, abs=0)
@@ -68,21 +70,21 @@ def test_oracles_say_so():
 
 
 def test_exact_light_is_in_the_photos_own_units(tiny):
-    outcome = Exact().evaluate(tiny.trained, tiny.view("b_exact"))
+    outcome = Exact().evaluate(tiny.evaluated, tiny.view("b_exact"))
     assert outcome.figures["psnr"] > 50
     assert outcome.figures["ssim"] > 0.99
     assert outcome.figures["mae"] < 1 / 255
 
 
 def test_learned_light_and_sky(tiny):
-    outcome = Learned().evaluate(tiny.trained, tiny.view("a_1"))
+    outcome = Learned().evaluate(tiny.evaluated, tiny.view("a_1"))
     assert outcome.figures["psnr"] > 50
     assert outcome.figures["psnr_foreground"] > 50
 
 
 def test_figures_are_means_over_the_eroded_mask_alone(tiny):
     view = tiny.view("b_exact")
-    outcome = Exact().evaluate(tiny.trained, view)
+    outcome = Exact().evaluate(tiny.evaluated, view)
     photo = cv2.imread(str(tiny.folder / view.image))[..., ::-1] / 255.0
     mask = cv2.imread(str(tiny.folder / view.evaluation.mask), cv2.IMREAD_GRAYSCALE) > 127
     mask = erode(mask, 5)
@@ -94,7 +96,7 @@ def test_figures_are_means_over_the_eroded_mask_alone(tiny):
 
 def test_which_views_are_covered(tiny):
     covered = {
-        protocol.name: [v.name for v in tiny.trained.scene.views if protocol.covers(v)]
+        protocol.name: [v.name for v in tiny.evaluated.scene.views if protocol.covers(v)]
         for protocol in PROTOCOLS
     }
     assert covered == {
@@ -109,7 +111,7 @@ def test_which_views_are_covered(tiny):
 def test_oracle_under_uniform_light(tiny, uniform_oracle):
     light = torch.zeros(25, 3)
     light[0] = 0.6 * (4 * np.pi) ** 0.5
-    picture = diffuse_oracle(tiny.trained, tiny.view("b_exact").truth, light)
+    picture = diffuse_oracle(tiny.evaluated, tiny.view("b_exact").truth, light)
     np.testing.assert_allclose(picture[14:], uniform_oracle, rtol=1e-5, atol=0)
     np.testing.assert_array_equal(picture[:14], 1.0)  # white sky
 
@@ -122,7 +124,7 @@ def test_clipped_is_a_display_value_in_both_protocols(tiny, is_linear, radiance)
     write_image(tiny.folder / "envmaps" / "bright.png", np.full((8, 16, 3), 247, np.uint8))
     view = tiny.view("c_swept")
     entry = view.evaluation.model_copy(update={"env_map": "envmaps/bright.png", "scale": 3.0})
-    light = published_light(tiny.trained, view, entry, is_linear=is_linear)
+    light = published_light(tiny.evaluated, view, entry, is_linear=is_linear)
     expected = torch.full((3,), radiance * (4 * np.pi) ** 0.5)
     torch.testing.assert_close(light[0], expected, rtol=1e-5, atol=0)
 
@@ -133,7 +135,7 @@ def test_a_linear_file_is_linear_already(tiny):
     entry = view.evaluation.model_copy(update={"env_map": "envmaps/half.exr"})
     expected = torch.full((3,), 0.5 * (4 * np.pi) ** 0.5)
     for is_linear in (False, True):
-        light = published_light(tiny.trained, view, entry, is_linear=is_linear)
+        light = published_light(tiny.evaluated, view, entry, is_linear=is_linear)
         torch.testing.assert_close(light[0], expected, rtol=1e-5, atol=0)
 
 
@@ -142,11 +144,11 @@ def test_a_black_map_is_refused(tiny):
     view = tiny.view("c_swept")
     entry = view.evaluation.model_copy(update={"env_map": "envmaps/black.png"})
     with pytest.raises(InputError, match=r"black\.png: is black.*c_swept.*replace"):
-        published_light(tiny.trained, view, entry)
+        published_light(tiny.evaluated, view, entry)
 
 
 def test_a_turn_about_y_or_z_is_refused(tiny):
     view = tiny.view("c_swept")
     entry = view.evaluation.model_copy(update={"rotation_rad": (-1.5, 0.2, 0.0)})
     with pytest.raises(InputError, match=r"c_swept.*y=0\.2 and z=0.*about x alone"):
-        published_light(tiny.trained, view, entry)
+        published_light(tiny.evaluated, view, entry)

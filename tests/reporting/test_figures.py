@@ -70,6 +70,7 @@ def test_test_views_without_a_protocol_leave_the_place_to_training_views(tmp_pat
     assert [v.name for v in read.shown_views(load_scene(tmp_path / "scene"))] == ["t"]
 
 
+@pytest.mark.slow
 def test_same_runs_give_the_same_bytes(tmp_path):
     make_scene(tmp_path / "scene", with_test=True)
     run = make_run(tmp_path / "full", "full", with_test=True)

@@ -71,3 +71,25 @@ def test_points_come_back_exactly(tmp_path):
     assert np.array_equal(loaded.rgb, points.rgb)
     with pytest.raises(InputError, match="import the scene again"):
         load_points(tmp_path / "elsewhere")
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"image": "../../secret.png"}, r"names the file '\.\./\.\./secret\.png', which is not"),
+        ({"image": "/etc/secret.png"}, r"names the file '/etc/secret\.png'"),
+        ({"name": "../../out"}, r"'\.\./\.\./out' is no name of a view"),
+        ({"name": "a/b"}, r"'a/b' is no name of a view"),
+        ({"name": "c"}, r"two views have the same name"),
+        ({"width": 10**6, "height": 10**6}, r"the camera of b .*is none"),
+        ({"width": 0}, r"key 'views\.1\.width' has the value 0"),
+    ],
+)
+def test_strangers_scene_may_not_lead_elsewhere(tmp_path, change, sentence):
+    save_scene(scene(), tmp_path)
+    path = tmp_path / "scene.json"
+    content = json.loads(path.read_text())
+    content["views"][1] |= change
+    path.write_text(json.dumps(content))
+    with pytest.raises(InputError, match=sentence):
+        load_scene(tmp_path)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from r3gw.evaluation.trained_scene import TrainedScene
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.files import write_json
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import write_exr, write_image
@@ -47,9 +47,9 @@ class Tiny:
     env_map: torch.Tensor
 
     @property
-    def trained(self) -> TrainedScene:
+    def evaluated(self) -> EvaluatedScene:
         """The model beside its scene's files."""
-        return TrainedScene(self.model, load_scene(self.folder), self.folder, self.masks)
+        return EvaluatedScene(self.model, load_scene(self.folder), self.folder, self.masks)
 
     def view(self, name: str) -> View:
         """A view by name."""

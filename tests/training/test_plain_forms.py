@@ -42,8 +42,8 @@ def trained(losses="fused", **changes):
     light = start.appearance.light_head[-1].bias  # negative in places
     for learned in (start.foreground["log_scales"], start.sky.rows["log_scales"], light):
         learned.data += 0.4 * torch.randn(learned.shape, generator=generator)
-    model, history = train(start, flat_photos(), settings)
-    return model, pd.DataFrame(history.rows).fillna(0.0)
+    state = train(start, flat_photos(), settings)
+    return state.model, pd.DataFrame(state.history.rows).fillna(0.0)
 
 
 @torch.no_grad()

@@ -45,7 +45,7 @@ class Place:
     """One benchmark scene.
 
     Attributes:
-        name: Its name in `r3gw.benchmark.SCENES`.
+        name: Its name in `r3gw.benchmark.generate.SCENES`.
         sessions: Its light list, training sessions first.
         walk: Where photos are taken.
         build: Makes parts and materials from a random stream.

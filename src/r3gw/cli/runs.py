@@ -16,6 +16,16 @@ from r3gw.cli.group import FILE, FOLDER, THREADS, cli
 @click.option("--variant", required=True, help="Variant name, for the record.")
 @click.option("--target", type=FOLDER, required=True, help="Folder of the run.")
 @THREADS
+@click.option(
+    "--checkpoint-seconds",
+    type=click.FloatRange(min=0),
+    default=300.0,
+    show_default=True,
+    envvar="R3GW_CHECKPOINT_SECONDS",
+    show_envvar=True,
+    help="Seconds between checkpoints.",
+)
+@click.option("--fresh", is_flag=True, help="Begin anew even where a checkpoint stands.")
 def train(
     scene: Path,
     masks: Path,
@@ -25,12 +35,19 @@ def train(
     variant: str,
     target: Path,
     threads: int,
+    checkpoint_seconds: float,
+    fresh: bool,
 ) -> None:
     """Train one variant on one scene; writes model.safetensors, history.csv and run.json."""
-    from r3gw.training.run import run_training
+    from r3gw.training.run import RunFiles, run_training
 
     run_training(
-        scene, masks, initial, settings, target, scene=name, variant=variant, num_threads=threads
+        RunFiles(scene, masks, initial, settings, target),
+        scene=name,
+        variant=variant,
+        num_threads=threads,
+        checkpoint_s=checkpoint_seconds,
+        fresh=fresh,
     )
 
 

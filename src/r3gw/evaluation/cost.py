@@ -2,7 +2,7 @@
 
 from time import perf_counter
 
-from r3gw.evaluation.trained_scene import TrainedScene
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.files.provenance import peak_rss_mb
 from r3gw.model.lights import photo_light
 
@@ -10,7 +10,7 @@ NUM_WARM_UP = 3
 NUM_TIMED = 30
 
 
-def measured_cost(trained: TrainedScene, num_threads: int) -> dict[str, float | int]:
+def measured_cost(evaluated: EvaluatedScene, num_threads: int) -> dict[str, float | int]:
     """Time renders of the training views under their learned lights and skies.
 
     Returns:
@@ -18,14 +18,14 @@ def measured_cost(trained: TrainedScene, num_threads: int) -> dict[str, float | 
         the mean ``render_megapixels`` of one, ``render_threads``, and ``peak_rss_mb`` of the
         process so far.
     """
-    views = trained.scene.split("train")
-    lights = [photo_light(trained.model, view.name) for view in views]
+    views = evaluated.scene.split("train")
+    lights = [photo_light(evaluated.model, view.name) for view in views]
     turns = [i % len(views) for i in range(NUM_WARM_UP + NUM_TIMED)]
     start = perf_counter()
     for number, i in enumerate(turns):
         if number == NUM_WARM_UP:
             start = perf_counter()
-        trained.render(views[i], lights[i])
+        evaluated.render(views[i], lights[i])
     seconds = perf_counter() - start
     return {
         "renders_per_second": NUM_TIMED / seconds,

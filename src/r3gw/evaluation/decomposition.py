@@ -10,8 +10,8 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float
 
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr
-from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_linear
 from r3gw.model.lights import photo_light
@@ -79,7 +79,7 @@ def count_in_front(
     return int((points[is_seen, 2] < surface).sum())
 
 
-def surface_records(trained: TrainedScene) -> list[Record]:
+def surface_records(evaluated: EvaluatedScene) -> list[Record]:
     """Albedo, normals and depth of the test views with ground truth, over their masks.
 
     Per view: ``albedo_psnr_{r,g,b}`` and their mean ``albedo_psnr`` (dB, linear albedo),
@@ -87,16 +87,16 @@ def surface_records(trained: TrainedScene) -> list[Record]:
     surface are left out.
     """
     compared = []
-    for view in trained.scene.split("test"):
+    for view in evaluated.scene.split("test"):
         if view.truth is None:
             continue
         truth = {
-            kind: read_linear(trained.scene_folder / getattr(view.truth, kind)).astype(np.float64)
+            kind: read_linear(evaluated.scene_folder / getattr(view.truth, kind)).astype(np.float64)
             for kind in ("albedo", "normal", "depth")
         }
-        where = trained.is_scored(view) & (truth["depth"][..., 0] > 0)
+        where = evaluated.is_scored(view) & (truth["depth"][..., 0] > 0)
         if where.any():
-            compared.append((view, truth, surfaces_of(trained.model, view.camera), where))
+            compared.append((view, truth, surfaces_of(evaluated.model, view.camera), where))
     if not compared:
         return []
     scale = scale_per_channel(
@@ -129,19 +129,19 @@ def _surface_record(
     }
 
 
-def light_records(trained: TrainedScene) -> list[Record]:
+def light_records(evaluated: EvaluatedScene) -> list[Record]:
     """Learned lights of the training views with ground truth against the true ones.
 
     Per view: ``light_error``, the norm of the coefficients' difference over the norm of the true
     coefficients, after one factor per channel for the scene; ``light_error_diffuse`` the same
     over bands 0 to 2, which are all that diffuse surfaces show.
     """
-    views = [view for view in trained.scene.split("train") if view.truth is not None]
+    views = [view for view in evaluated.scene.split("train") if view.truth is not None]
     if not views:
         return []
-    learned = np.stack([_numpy(photo_light(trained.model, view.name).sh) for view in views])
+    learned = np.stack([_numpy(photo_light(evaluated.model, view.name).sh) for view in views])
     true = np.stack(
-        [_numpy(trained.true_light(view.truth)) for view in views if view.truth is not None]
+        [_numpy(evaluated.true_light(view.truth)) for view in views if view.truth is not None]
     )
     scale = scale_per_channel(learned.reshape(-1, 3), true.reshape(-1, 3))
     few = DIFFUSE_COEFFICIENTS
@@ -165,7 +165,7 @@ def _relative_error(
     return float(np.linalg.norm(values - truth) / np.linalg.norm(truth))
 
 
-def sky_records(trained: TrainedScene) -> list[Record]:
+def sky_records(evaluated: EvaluatedScene) -> list[Record]:
     """How cleanly sky and foreground part, in every training view that shows a sky outline.
 
     Per view: ``sky_boundary_psnr`` under the learned light, over valid pixels within 5 px of the
@@ -173,22 +173,22 @@ def sky_records(trained: TrainedScene) -> list[Record]:
     the true depth is known, ``sky_in_front``, the count of sky Gaussians before a surface.
     """
     records = []
-    for view in trained.scene.split("train"):
-        is_valid, is_sky = trained.masks(view)
+    for view in evaluated.scene.split("train"):
+        is_valid, is_sky = evaluated.masks(view)
         band = sky_band(is_sky) & is_valid
         if not band.any() or not (is_sky & is_valid).any():
             continue
-        picture = trained.render(view, photo_light(trained.model, view.name))
-        alpha = surfaces_of(trained.model, view.camera).foreground_alpha
+        picture = evaluated.render(view, photo_light(evaluated.model, view.name))
+        alpha = surfaces_of(evaluated.model, view.camera).foreground_alpha
         record: Record = {
             "view": view.name,
-            "sky_boundary_psnr": masked_psnr(picture, trained.photo(view), band, view.name),
+            "sky_boundary_psnr": masked_psnr(picture, evaluated.photo(view), band, view.name),
             "sky_foreground_alpha": float(alpha[is_sky & is_valid].mean()),
         }
         if view.truth is not None:
-            depth = read_linear(trained.scene_folder / view.truth.depth)[..., 0]
+            depth = read_linear(evaluated.scene_folder / view.truth.depth)[..., 0]
             record["sky_in_front"] = float(
-                count_in_front(trained.model.sky.means().detach(), view.camera, depth)
+                count_in_front(evaluated.model.sky.means().detach(), view.camera, depth)
             )
         records.append(record)
     return records

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from numpy.typing import NDArray
 from torch import Tensor
 
-from r3gw.evaluation.trained_scene import TrainedScene
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.files import write_json
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_image
@@ -38,11 +38,11 @@ BRIGHTEST_QUANTILE = 0.98
 Source = tuple[str, Light, Float[Tensor, "h w 3"]]
 
 
-def write_gallery(trained: TrainedScene, folder: Path) -> None:
+def write_gallery(evaluated: EvaluatedScene, folder: Path) -> None:
     """Render two views under a turning map and under learned lights; relit.json is last."""
-    views = evenly(trained.scene.split("test") or trained.scene.split("train"), NUM_VIEWS)
-    gaussians = relightable_of(trained.model)
-    name, light, env_map = _map_source(trained)
+    views = evenly(evaluated.scene.split("test") or evaluated.scene.split("train"), NUM_VIEWS)
+    gaussians = relightable_of(evaluated.model)
+    name, light, env_map = _map_source(evaluated)
     yaws_deg = [round(360 * i / NUM_YAWS) for i in range(NUM_YAWS)]
     for yaw_deg in yaws_deg:
         shift = round(env_map.shape[1] * yaw_deg / 360)
@@ -51,7 +51,7 @@ def write_gallery(trained: TrainedScene, folder: Path) -> None:
         for view in views:
             path = folder / "map" / f"{view.name}_{yaw_deg:03d}.png"
             write_image(path, relit_picture(gaussians, view, light.turned(float(yaw_deg))))
-    photos = _photos_of_sessions(trained.scene.split("train"))
+    photos = _photos_of_sessions(evaluated.scene.split("train"))
     for number, photo in enumerate(photos):
         learned = gaussians.light_of(photo)
         drawn = light_picture(envmap.draw(learned.sh, THUMBNAIL_PX))
@@ -86,12 +86,12 @@ def _photos_of_sessions(views: Sequence[View]) -> list[str]:
     return evenly(sorted(first.values()), NUM_LIGHTS)
 
 
-def _map_source(trained: TrainedScene) -> Source:
+def _map_source(evaluated: EvaluatedScene) -> Source:
     """The most directional of the maps that come with the scene; else of the learned lights."""
-    test = trained.scene.split("test")
-    sources = [_map_of(trained, view) for view in test if view.truth or view.evaluation]
+    test = evaluated.scene.split("test")
+    sources = [_map_of(evaluated, view) for view in test if view.truth or view.evaluation]
     if not sources:
-        for photo, light in learned_lights(trained.model).items():
+        for photo, light in learned_lights(evaluated.model).items():
             drawn = envmap.draw(light.sh, THUMBNAIL_PX)
             sources.append((f"light learned for {photo}", Light(light.sh), drawn))
     return max(sources, key=lambda source: _directionality(source[1].sh))
@@ -102,18 +102,18 @@ def _directionality(light: Float[Tensor, "coeff 3"]) -> float:
     return float(light[1:4].norm() / light[0].norm())
 
 
-def _map_of(trained: TrainedScene, view: View) -> Source:
+def _map_of(evaluated: EvaluatedScene, view: View) -> Source:
     """A test view's true HDR map in the photo's units, or its LDR map; the sky stays white.
 
     An LDR map knows no units, so it is brought to the mean strength of the learned lights.
     """
     if view.truth is not None:
-        path = trained.scene_folder / view.truth.env_map
+        path = evaluated.scene_folder / view.truth.env_map
         name = f"true map of {view.session or view.name}"
-        return name, Light(trained.true_light(view.truth)), envmap.read_env_map(path)
+        return name, Light(evaluated.true_light(view.truth)), envmap.read_env_map(path)
     assert view.evaluation is not None  # the caller's choice
-    path = trained.scene_folder / view.evaluation.env_map
+    path = evaluated.scene_folder / view.evaluation.env_map
     env_map = linear_env_map(path)
-    light = Light(light_of_map(env_map, trained.light_degree))
-    exposure = light.factor_to(learned_strength(trained.model))
+    light = Light(light_of_map(env_map, evaluated.light_degree))
+    exposure = light.factor_to(learned_strength(evaluated.model))
     return f"map of {view.session or view.name}", light.times(exposure), env_map

@@ -6,7 +6,6 @@ record also stands alone in images/<protocol>/<view>.json, with the run that it 
 cost.json holds what was measured with a clock; all other files are the same for the same model.
 """
 
-import json
 import shutil
 from pathlib import Path
 from typing import Any
@@ -17,11 +16,12 @@ from tqdm import tqdm
 
 from r3gw.evaluation.cost import measured_cost
 from r3gw.evaluation.decomposition import light_records, sky_records, surface_records
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.gallery import write_gallery
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
 from r3gw.evaluation.protocols.registry import PROTOCOLS
-from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.files import InputError, write_json
+from r3gw.files.strict import read_json
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_picture
@@ -57,18 +57,18 @@ def evaluate_run(
     torch.set_num_threads(num_threads)
     run = _read_run(model_path.with_name("run.json"))
     scene = load_scene(scene_folder)
-    trained = TrainedScene(load_model(model_path), scene, scene_folder, masks_folder)
+    evaluated = EvaluatedScene(load_model(model_path), scene, scene_folder, masks_folder)
     (target / "metrics.json").unlink(missing_ok=True)
     for name in ("renders", "images", "relit"):
         shutil.rmtree(target / name, ignore_errors=True)
-    images = _protocol_records(trained, target / "renders", str(run["scene"]))
+    images = _protocol_records(evaluated, target / "renders", str(run["scene"]))
     for record in images:
         path = target / "images" / record["protocol"] / f"{record['view']}.json"
         write_json(path, {**record, "run": run})
-    write_gallery(trained, target / "relit")
-    write_lights(learned_lights(trained.model), "scene", target)
-    write_json(target / "cost.json", measured_cost(trained, num_threads))
-    decomposition = surface_records(trained) + light_records(trained) + sky_records(trained)
+    write_gallery(evaluated, target / "relit")
+    write_lights(learned_lights(evaluated.model), "scene", target)
+    write_json(target / "cost.json", measured_cost(evaluated, num_threads))
+    decomposition = surface_records(evaluated) + light_records(evaluated) + sky_records(evaluated)
     write_json(
         target / "metrics.json", {"run": run, "images": images, "decomposition": decomposition}
     )
@@ -77,26 +77,25 @@ def evaluate_run(
 def _read_run(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise InputError(f"{path}: no such file; train the scene again")
-    run: dict[str, Any] = json.loads(path.read_text())
-    return run
+    return read_json(path)
 
 
-def _protocol_records(trained: TrainedScene, folder: Path, scene: str) -> list[dict[str, Any]]:
+def _protocol_records(evaluated: EvaluatedScene, folder: Path, scene: str) -> list[dict[str, Any]]:
     """Score every view under every protocol that covers it, and write pictures on the way."""
-    pictured = {view.name for view in evenly(trained.scene.split("train"), NUM_LEARNED_PICTURES)}
+    pictured = {view.name for view in evenly(evaluated.scene.split("train"), NUM_LEARNED_PICTURES)}
     records = []
-    for view in tqdm(trained.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
+    for view in tqdm(evaluated.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
         outcome = None
         for protocol in PROTOCOLS:
             if not protocol.covers(view):
                 continue
-            outcome = protocol.evaluate(trained, view)
+            outcome = protocol.evaluate(evaluated, view)
             records.append(_record(protocol, view, scene, outcome))
             if view.split == "test" or view.name in pictured:
                 path = folder / protocol.name / f"{view.name}.png"
                 write_image(path, bytes_from_display(outcome.picture))
         if outcome is not None and (view.split == "test" or view.name in pictured):
-            _write_parts(trained, view, outcome, folder)
+            _write_parts(evaluated, view, outcome, folder)
     return records
 
 
@@ -112,14 +111,14 @@ def _record(protocol: ViewProtocol, view: View, scene: str, outcome: Outcome) ->
     }
 
 
-def _write_parts(trained: TrainedScene, view: View, outcome: Outcome, folder: Path) -> None:
+def _write_parts(evaluated: EvaluatedScene, view: View, outcome: Outcome, folder: Path) -> None:
     """What the picture of ``outcome`` is made of."""
-    surfaces = surfaces_of(trained.model, view.camera)
+    surfaces = surfaces_of(evaluated.model, view.camera)
     is_surface = surfaces.foreground_alpha >= VISIBLE_ALPHA
     depth = np.where(is_surface, surfaces.depth, 0.0).astype(np.float32)
     albedo = np.where(is_surface[..., None], display_array_from_linear(surfaces.albedo), 1.0)
     light = outcome.light
-    foreground, sky = apart(trained.model, view.camera, light.sh, light.sky_coefficients)
+    foreground, sky = apart(evaluated.model, view.camera, light.sh, light.sky_coefficients)
     parts = {
         "albedo": bytes_from_display(albedo),
         "normal": normal_picture(np.where(is_surface[..., None], surfaces.normal, 0.0)),

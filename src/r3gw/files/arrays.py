@@ -5,11 +5,12 @@ orders several entries by chance).
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from safetensors import SafetensorError, safe_open
+import safetensors
 from safetensors.torch import save
 from torch import Tensor
 
@@ -38,19 +39,38 @@ def read_arrays(path: Path, what: str) -> tuple[dict[str, Tensor], dict[str, Any
     Raises:
         InputError: If the file is too large, damaged, or not written by r3gw.
     """
+    with _opened(path, what) as file:
+        # A copy, since the file is mapped: who cuts it short later must not end this process.
+        tensors = {name: file.get_tensor(name).clone() for name in file.keys()}  # noqa: SIM118
+        return tensors, _record(file, path, what)
+
+
+def read_record(path: Path, what: str) -> dict[str, Any]:
+    """The record alone; as `read_arrays`."""
+    with _opened(path, what) as file:
+        return _record(file, path, what)
+
+
+@contextmanager
+def _opened(path: Path, what: str) -> Iterator[Any]:
     require_size(path, LARGEST_BYTES)
     try:
-        with safe_open(path, framework="pt") as file:
-            record = json.loads((file.metadata() or {})[KEY])
-            # A copy, since the file is mapped: who cuts it short later must not end this process.
-            tensors = {name: file.get_tensor(name).clone() for name in file.keys()}  # noqa: SIM118
-    except (SafetensorError, OSError, ValueError, RecursionError) as error:
+        with safetensors.safe_open(path, framework="pt") as file:
+            yield file
+    except InputError:
+        raise
+    except (safetensors.SafetensorError, OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: damaged, or no {what} ({_first_line(error)})") from None
-    except KeyError:
-        raise InputError(f"{path}: no {what}: it lacks the record '{KEY}'") from None
+
+
+def _record(file: Any, path: Path, what: str) -> dict[str, Any]:
+    text = (file.metadata() or {}).get(KEY)
+    if text is None:
+        raise InputError(f"{path}: no {what}: it lacks the record '{KEY}'")
+    record = json.loads(text)
     if not isinstance(record, dict):
         raise InputError(f"{path}: no {what}: its record is no mapping")
-    return tensors, record
+    return record
 
 
 def require_size(path: Path, largest: int) -> None:

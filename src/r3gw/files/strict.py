@@ -1,5 +1,6 @@
 """Pydantic base class and one-sentence errors for everything read from configuration files."""
 
+import json
 from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
@@ -9,6 +10,9 @@ import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from r3gw.files import InputError
+
+MOST_BYTES = 1 << 28
+_MOST_VALUES = 50_000_000
 
 
 class Strict(BaseModel):
@@ -34,20 +38,77 @@ def validated(model: type[Settings], values: Mapping[str, Any], source: str) -> 
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
-    """Read a YAML mapping.
+    """Read a mapping of settings from YAML, or from JSON if the file is called ``.json``.
 
     Raises:
-        InputError: If the file is missing, not YAML, or not a mapping.
+        InputError: If the file is missing, too large, no text in UTF-8, not YAML or JSON, or not a
+            mapping.
     """
+    text = _text(path, "settings file")
     try:
-        content = yaml.safe_load(path.read_text())
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such settings file") from None
-    except yaml.YAMLError as error:
-        raise InputError(f"{path}: not readable as YAML ({' '.join(str(error).split())})") from None
+        content = json.loads(text) if path.suffix == ".json" else yaml.safe_load(text)
+        _require_bounded(content)
+    except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
+        kind = "JSON" if path.suffix == ".json" else "YAML"
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise InputError(f"{path}: not readable as {kind} ({reason})") from None
     if not isinstance(content, dict):
         raise InputError(f"{path}: expected a mapping of settings, got {type(content).__name__}")
     return content
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """Read a JSON object that r3gw itself has written.
+
+    Raises:
+        InputError: If the file is missing, too large, damaged or not an object.
+    """
+    try:
+        content = json.loads(_text(path, "file"))
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not readable as JSON ({error})") from None
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: expected a JSON object, got {type(content).__name__}")
+    return content
+
+
+def _text(path: Path, what: str) -> str:
+    if not path.is_file():
+        raise InputError(f"{path}: no such {what}")
+    if path.stat().st_size > MOST_BYTES:
+        raise InputError(f"{path}: is larger than {MOST_BYTES >> 20} MiB, which no {what} is")
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: is not text in UTF-8 (byte {error.start}); save it as UTF-8"
+        ) from None
+
+
+def _require_bounded(content: object) -> None:
+    """Refuse a tree that aliases (``&a``, ``*a``) make endless or far larger than the file.
+
+    Raises:
+        ValueError: If its aliases lead in a circle or stand for too many values.
+    """
+    sizes: dict[int, int | None] = {}
+
+    def size(value: object) -> int:
+        if not isinstance(value, dict | list):
+            return 1
+        known = sizes.get(id(value), 0)
+        if known is None:
+            raise ValueError("its aliases lead in a circle")
+        if known:
+            return known
+        sizes[id(value)] = None
+        parts = value.values() if isinstance(value, dict) else value
+        sizes[id(value)] = total = 1 + sum(size(part) for part in parts)
+        if total > _MOST_VALUES:
+            raise ValueError(f"it stands for more than {_MOST_VALUES} values")
+        return total
+
+    size(content)
 
 
 def _first_error(error: ValidationError, model: type[BaseModel], values: Mapping[str, Any]) -> str:

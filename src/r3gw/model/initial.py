@@ -9,7 +9,8 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from r3gw.files import InputError, atomic_path
+from r3gw.files import InputError
+from r3gw.files.npz import Array, read_npz, write_npz
 from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.geometry.spherical import angles_from_direction, direction_from_angles
 from r3gw.model.settings import SkySettings
@@ -18,6 +19,13 @@ from r3gw.model.sky import SkyDome, sample_dome
 BOX_QUANTILES = (0.02, 0.98)
 RADIUS_QUANTILE = 0.99
 AZIMUTH_MARGIN_RAD = 0.1
+_ARRAYS = {
+    "foreground": Array(np.float32, (None, 3)),
+    "centre": Array(np.float32, (3,)),
+    "radius": Array(np.float64, ()),
+    "azimuth_rad": Array(np.float64, (2,)),
+    "sky_angles": Array(np.float32, (None, 2)),
+}
 
 
 @dataclass(frozen=True)
@@ -91,28 +99,25 @@ def seen_azimuths(cameras: list[Camera]) -> tuple[float, float]:
 
 def save_initial(initial: InitialPoints, path: Path) -> None:
     """Write ``initial.npz`` atomically."""
-    with atomic_path(path) as temporary, temporary.open("wb") as stream:
-        np.savez(
-            stream,
-            foreground=initial.foreground.numpy(),
-            centre=initial.dome.centre.numpy(),
-            radius=initial.dome.radius,
-            azimuth_rad=np.array(initial.dome.azimuth_rad),
-            sky_angles=initial.sky_angles.numpy(),
-        )
+    arrays = {
+        "foreground": initial.foreground.numpy(),
+        "centre": initial.dome.centre.numpy(),
+        "radius": np.array(initial.dome.radius),
+        "azimuth_rad": np.array(initial.dome.azimuth_rad),
+        "sky_angles": initial.sky_angles.numpy(),
+    }
+    write_npz(path, arrays)
 
 
 def load_initial(path: Path) -> InitialPoints:
     """Read ``initial.npz``.
 
     Raises:
-        InputError: If it is missing.
+        InputError: If it is missing, damaged, or holds something else.
     """
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; run the initialise stage first")
-    with np.load(path) as arrays:
-        first, last = arrays["azimuth_rad"].tolist()
-        dome = SkyDome(torch.from_numpy(arrays["centre"]), float(arrays["radius"]), (first, last))
-        return InitialPoints(
-            torch.from_numpy(arrays["foreground"]), dome, torch.from_numpy(arrays["sky_angles"])
-        )
+    arrays = read_npz(path, _ARRAYS, "run the initialise stage again")
+    first, last = arrays["azimuth_rad"].tolist()
+    dome = SkyDome(torch.from_numpy(arrays["centre"]), float(arrays["radius"]), (first, last))
+    return InitialPoints(
+        torch.from_numpy(arrays["foreground"]), dome, torch.from_numpy(arrays["sky_angles"])
+    )

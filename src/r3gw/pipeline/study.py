@@ -26,5 +26,5 @@ class StudySettings(Strict):
 
     @property
     def variants(self) -> list[str]:
-        """All that is trained, the baseline first."""
+        """All that is evaluated, the baseline first."""
         return [self.baseline, *self.changes]

@@ -10,11 +10,17 @@ from typing import Literal
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from pydantic import Field
 
-from r3gw.files import InputError, atomic_path, write_json
+from r3gw.files import InputError, write_json
+from r3gw.files.names import inside, leads_outside
+from r3gw.files.npz import Array, read_npz, write_npz
 from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.similarity import Similarity
+from r3gw.imaging.formats import MOST_PIXELS
+
+_ARRAYS = {"xyz": Array(np.float32, (None, 3)), "rgb": Array(np.uint8, (None, 3))}
 
 Row3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]
@@ -80,8 +86,8 @@ class View(Strict):
     name: str
     path: str | None = None
     image: str
-    width: int
-    height: int
+    width: int = Field(ge=1)
+    height: int = Field(ge=1)
     source_size_px: tuple[int, int] | None = None
     intrinsics: Row4
     cam_from_world: tuple[Row4, Row4, Row4, Row4]
@@ -170,32 +176,55 @@ def load_scene(folder: Path) -> Scene:
     """Read ``folder/scene.json``.
 
     Raises:
-        InputError: If it is missing or malformed.
+        InputError: If it is missing or malformed, or names files outside of ``folder``.
     """
     path = folder / "scene.json"
-    return validated(Scene, read_yaml(path), str(path))
+    scene = validated(Scene, read_yaml(path), str(path))
+    for view in scene.views:
+        _require_safe(view, folder, str(path))
+    if len({view.name for view in scene.views}) < len(scene.views):
+        raise InputError(f"{path}: two views have the same name; import the scene again")
+    return scene
+
+
+def _require_safe(view: View, folder: Path, source: str) -> None:
+    """Refuse names that lead out of the scene's folder, and sizes that no picture has.
+
+    Raises:
+        InputError: On the first.
+    """
+    if leads_outside(view.name) or {"/", "\\"} & set(view.name):
+        raise InputError(f"{source}: {view.name!r} is no name of a view; import the scene again")
+    names = [view.image]
+    if view.evaluation is not None:
+        names += [view.evaluation.env_map, *filter(None, [view.evaluation.mask])]
+    if view.truth is not None:
+        names += [getattr(view.truth, kind) for kind in ("env_map", "albedo", "normal", "depth")]
+    for name in names:
+        inside(folder, name, source)
+    if view.width * view.height > MOST_PIXELS or min(view.intrinsics[:2]) <= 0:
+        raise InputError(
+            f"{source}: the camera of {view.name} ({view.width}x{view.height} px, focal length "
+            f"{view.intrinsics[0]:g} px) is none; import the scene again"
+        )
 
 
 def save_points(points: Points, folder: Path) -> None:
     """Write ``folder/points.npz``."""
-    with (
-        atomic_path(folder / "points.npz") as path,
-        path.open("wb") as stream,
-    ):
-        np.savez(stream, xyz=points.xyz, rgb=points.rgb)
+    write_npz(folder / "points.npz", {"xyz": points.xyz, "rgb": points.rgb})
 
 
 def load_points(folder: Path) -> Points:
     """Read ``folder/points.npz``.
 
     Raises:
-        InputError: If it is missing.
+        InputError: If it is missing, damaged, or holds something else.
     """
     path = folder / "points.npz"
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; import the scene again")
-    with np.load(path) as arrays:
-        return Points(arrays["xyz"], arrays["rgb"])
+    arrays = read_npz(path, _ARRAYS, "import the scene again")
+    if len(arrays["xyz"]) != len(arrays["rgb"]):
+        raise InputError(f"{path}: has more colours or more points; import the scene again")
+    return Points(arrays["xyz"], arrays["rgb"])
 
 
 def _name(view: View) -> str:

@@ -1,6 +1,6 @@
 """The checkpoint of a run: a run that continues from one ends as if it had never stopped.
 
-It lies beside the run, under a name with the run's digest (`r3gw.training.run_digest`), so a state
+It lies beside the run, under a name with the run's digest, so a state
 made of other photos, masks, points, settings or code is never continued. It is no declared output
 of the workflow (Snakemake deletes those of interrupted jobs) and goes when training ends.
 """
@@ -14,15 +14,21 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from r3gw.files.arrays import read_arrays, write_arrays
+from r3gw.files.arrays import read_arrays, read_record, write_arrays
 from r3gw.files.errors import InputError
 from r3gw.files.strict import validated
 from r3gw.model.model_file import ModelRecord, model_from, model_record, model_tensors
+from r3gw.training.health import require_finite_parameters
+from r3gw.training.run_digest import run_digest
 from r3gw.training.settings import TrainSettings
 from r3gw.training.state import TrainingState, first_state
 
 log = logging.getLogger(__name__)
 
+INTERVAL_S = 300.0
+WHAT = "checkpoint of r3gw"
+# What a file of another form makes Python raise.
+WRONG_FORM = (KeyError, TypeError, ValueError, RuntimeError, IndexError, AttributeError)
 MODEL, OPTIMIZER = "model.", "optimizer."
 STATISTICS = ("statistics.total", "statistics.views")
 GENERATORS = ("generator", "dropout")
@@ -32,37 +38,74 @@ MOMENTS = ("step", "exp_avg", "exp_avg_sq")
 class Checkpoints:
     """Saves a run every ``interval_s`` seconds and finds it again."""
 
-    def __init__(self, folder: Path, digest: str, interval_s: float = 300.0) -> None:
-        """Keep the checkpoint of the run with a digest in ``folder``."""
-        self.path = folder / f".checkpoint-{digest}.safetensors"
+    def __init__(
+        self, folder: Path, parts: Mapping[str, str], interval_s: float = INTERVAL_S
+    ) -> None:
+        """Keep the checkpoint of the run that depends on ``parts`` (`run_parts`) in ``folder``."""
+        self.path = folder / f".checkpoint-{run_digest(parts)}.safetensors"
+        self.parts = dict(parts)
         self.interval_s = interval_s
         self._last = time.monotonic()
+        self._iteration: int | None = None
 
     def restore(self, state: TrainingState) -> TrainingState:
-        """The saved state if there is one that can be read, else ``state``."""
+        """The saved state if there is one of this run that can be read, else ``state``."""
+        for other in self._all():
+            if other != self.path:
+                log.warning("%s is not continued: %s", other, self._difference(other))
         if not self.path.is_file():
             return state
         try:
-            tensors, record = read_arrays(self.path, "checkpoint of r3gw")
+            tensors, record = read_arrays(self.path, WHAT)
             restored = _state(tensors, record, state.settings, str(self.path))
-        except (InputError, KeyError, TypeError, ValueError, RuntimeError, IndexError) as error:
-            log.warning(
-                "%s cannot be continued from (%s): training starts afresh", self.path, error
-            )
+        except (InputError, *WRONG_FORM) as error:
+            log.warning("%s is not continued, training starts afresh (%s)", self.path, error)
             return first_state(state.model, state.settings)
+        self._iteration = restored.iteration
         log.info("continuing from %s at iteration %d", self.path, restored.iteration)
         return restored
 
     def save_if_due(self, state: TrainingState) -> None:
-        """Write the state if the last checkpoint is old enough."""
+        """Write the state if the last checkpoint is old enough; a full disk does not end the run.
+
+        Raises:
+            Diverged: If it is not fit to be continued; the last checkpoint stays.
+        """
         if time.monotonic() - self._last < self.interval_s:
             return
-        write_arrays(self.path, _tensors(state), _record(state))
+        require_finite_parameters(state)
         self._last = time.monotonic()
+        try:
+            write_arrays(self.path, _tensors(state), _record(state) | {"run": self.parts})
+        except OSError as error:
+            log.warning("%s is not written (%s); training goes on", self.path, error.strerror)
+        else:
+            self._iteration = state.iteration
+
+    def kept(self) -> str:
+        """What to say of the last checkpoint when training cannot go on."""
+        if self._iteration is None:
+            return ""
+        return f"; the state of iteration {self._iteration} is kept in {self.path}"
 
     def discard(self) -> None:
-        """Remove the checkpoint: the run is complete."""
-        self.path.unlink(missing_ok=True)
+        """Remove all checkpoints in the folder: the run is complete, or begins afresh."""
+        for path in self._all():
+            path.unlink(missing_ok=True)
+
+    def _all(self) -> list[Path]:
+        return sorted(self.path.parent.glob(".checkpoint-*"))
+
+    def _difference(self, other: Path) -> str:
+        """What a checkpoint of another run was made of."""
+        try:
+            theirs = read_record(other, WHAT).get("run")
+        except InputError:
+            return "it is damaged, or of another version of r3gw"
+        if not isinstance(theirs, dict):
+            return "it does not say what it was made of"
+        changed = [name for name, part in self.parts.items() if theirs.get(name) != part]
+        return f"it was made of other {' and '.join(changed)}"
 
 
 def _tensors(state: TrainingState) -> dict[str, Tensor]:
@@ -83,13 +126,14 @@ def _record(state: TrainingState) -> dict[str, Any]:
         "order": state.order.left,
         "history": state.history.rows,
         "seconds": state.history.seconds(),
+        "notes": state.notes,
     }
 
 
 def _state(
     tensors: Mapping[str, Tensor], record: Mapping[str, Any], settings: TrainSettings, source: str
 ) -> TrainingState:
-    """Invert `_tensors` and `_record`; raises what a file of another form makes Python raise."""
+    """Invert `_tensors` and `_record`; raises one of `WRONG_FORM` if they do not fit."""
     arrays = {k.removeprefix(MODEL): v for k, v in tensors.items() if k.startswith(MODEL)}
     model = model_from(arrays, validated(ModelRecord, record["model"], source), source)
     state = first_state(model, settings)
@@ -100,6 +144,7 @@ def _state(
     state.statistics.total, state.statistics.views = (tensors[name] for name in STATISTICS)
     state.order.left = [int(index) for index in record["order"]]
     state.history.resume(list(record["history"]), float(record["seconds"]))
+    state.notes = dict(record["notes"])
     state.iteration = int(record["iteration"])
     state.generator.set_state(tensors[GENERATORS[0]])
     torch.set_rng_state(tensors[GENERATORS[1]])

@@ -6,6 +6,7 @@ iteration (Grubert et al., 2025).
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Bool, Float
@@ -14,6 +15,7 @@ from torch.optim import Optimizer
 
 from r3gw.geometry.rotations import rotation_from_quaternion
 from r3gw.geometry.spherical import direction_from_angles
+from r3gw.model.attributes import OPACITY
 from r3gw.model.foreground import too_large
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import Rows
@@ -21,6 +23,13 @@ from r3gw.native import kernels, ops
 from r3gw.training.settings import DensitySettings
 
 SPLIT_SHRINK = 1.6
+
+
+class Grown(NamedTuple):
+    """Which sets would have grown more if they might."""
+
+    foreground_capped: bool
+    sky_capped: bool
 
 
 class GradientStatistics:
@@ -75,7 +84,7 @@ def densify(
     extent: float,
     prune_huge: bool,
     generator: torch.Generator,
-) -> None:
+) -> Grown:
     """Clone or split every Gaussian above ``threshold``, then prune, in both sets.
 
     Args:
@@ -92,21 +101,24 @@ def densify(
     split_at = len(model.foreground)
     budget = settings.max_gaussians - model.num_gaussians
     sky_extent = max(extent, float(model.sky.radius.detach()))
+    capped = []
     for rows, grads, size in (
         (model.foreground, gradients[:split_at], extent),
         (model.sky.rows, gradients[split_at:], sky_extent),
     ):
-        if len(rows) == 0:
-            continue
         room = budget
         if rows is model.sky.rows:
             room = min(room, int(settings.sky_share * settings.max_gaussians) - len(rows))
         chosen = _strongest(grads, threshold, room)
+        capped.append(int(chosen.sum()) < int((grads > threshold).sum()))
+        if len(rows) == 0:
+            continue
         budget -= int(chosen.sum())
         is_large = too_large(rows["log_scales"], settings.large_scale * size)
         huge = settings.huge_scale * size if prune_huge else float("inf")
         _grow(model, rows, optimizer, chosen & ~is_large, chosen & is_large, generator)
         _prune(rows, optimizer, settings.min_opacity, huge)
+    return Grown(*capped)
 
 
 def reset_opacity(model: SceneModel, optimizer: Optimizer, highest: float) -> None:
@@ -114,7 +126,7 @@ def reset_opacity(model: SceneModel, optimizer: Optimizer, highest: float) -> No
     ceiling = torch.logit(torch.tensor(highest))
     for rows in (model.foreground, model.sky.rows):
         if len(rows):
-            rows.overwrite(optimizer, "opacity_logits", rows["opacity_logits"].clamp(max=ceiling))
+            rows.overwrite(optimizer, OPACITY.name, rows[OPACITY.name].clamp(max=ceiling))
 
 
 def _strongest(grads: Float[Tensor, "n"], threshold: float, budget: int) -> Bool[Tensor, "n"]:
@@ -163,7 +175,7 @@ def split_children(
 
 def _prune(rows: Rows, optimizer: Optimizer, min_opacity: float, huge: float) -> None:
     """Drop rows that are nearly transparent or larger than ``huge`` world units."""
-    opacity = rows["opacity_logits"].detach().sigmoid()
+    opacity = OPACITY.of(rows).detach()
     is_kept = (opacity >= min_opacity) & ~too_large(rows["log_scales"], huge)
     none = {name: value.detach()[:0] for name, value in rows.values.items()}
     rows.rebuild(optimizer, torch.nonzero(is_kept).squeeze(-1), none)

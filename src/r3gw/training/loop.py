@@ -1,7 +1,6 @@
 """The training loop of one run: a scene, resolved settings, a seed."""
 
 import sys
-from math import isfinite
 
 import torch
 from tqdm import tqdm
@@ -12,13 +11,20 @@ from r3gw.model.occlusion import update_occlusion
 from r3gw.model.rows import OCCLUSION
 from r3gw.training.checkpoint import Checkpoints
 from r3gw.training.density import GradientStatistics, densify, reset_opacity, rising_threshold
-from r3gw.training.history import History
+from r3gw.training.health import (
+    Diverged,
+    diverged_in_rendering,
+    require_finite_loss,
+    require_finite_parameters,
+    watch_counts,
+)
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step, set_position_rate
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
 from r3gw.training.state import TrainingState, first_state
+from r3gw.training.watched import Watched
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
 
@@ -28,7 +34,8 @@ def train(
     photos: list[Photo],
     settings: TrainSettings,
     checkpoints: Checkpoints | None = None,
-) -> tuple[SceneModel, History]:
+    watched: Watched | None = None,
+) -> TrainingState:
     """Optimise ``model`` on ``photos`` for the iterations that the settings name.
 
     Args:
@@ -36,6 +43,7 @@ def train(
         photos: The training photos, in the order of ``model.photos``.
         settings: The settings of the run.
         checkpoints: Where to continue from and save to; None does neither.
+        watched: Where to show the run to those who watch it; None shows nothing.
 
     Raises:
         InputError: If the loss stops being finite or the foreground vanishes.
@@ -43,26 +51,47 @@ def train(
     state = first_state(model, settings)
     if checkpoints is not None:
         state = checkpoints.restore(state)
-    iterations, schedule = settings.iterations, Schedule.of(settings)
-    extent = camera_extent([photo.camera for photo in photos])
+    schedule = Schedule.of(settings)
     state.model.appearance.train()
+    try:
+        _run(state, photos, schedule, checkpoints, watched)
+    except Diverged as error:
+        kept = "" if checkpoints is None else checkpoints.kept()
+        raise InputError(f"{error}{kept}") from None
+    state.model.appearance.eval()
+    return state
+
+
+def _run(
+    state: TrainingState,
+    photos: list[Photo],
+    schedule: Schedule,
+    checkpoints: Checkpoints | None,
+    watched: Watched | None,
+) -> None:
+    """Do the iterations that are left."""
+    iterations = state.settings.iterations
+    extent = camera_extent([photo.camera for photo in photos])
     interval_s = BAR_INTERVAL_S[sys.stderr.isatty()]
     with tqdm(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
     ) as bar:
         while state.iteration < iterations:
-            row = _step(state, photos, schedule, extent)
+            row = _step(state, photos, schedule, extent, watched)
             if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
             if checkpoints is not None:
                 checkpoints.save_if_due(state)
-    state.model.appearance.eval()
-    return state.model, state.history
+    require_finite_parameters(state)
 
 
 def _step(
-    state: TrainingState, photos: list[Photo], schedule: Schedule, extent: float
+    state: TrainingState,
+    photos: list[Photo],
+    schedule: Schedule,
+    extent: float,
+    watched: Watched | None,
 ) -> dict[str, float | int] | None:
     """Do one iteration; return its row of the history if it gets one."""
     state.iteration += 1
@@ -70,11 +99,13 @@ def _step(
     set_position_rate(state.optimizer, settings.rates, schedule, iteration)
     index = state.order.next(state.generator)
     photo = photos[index]
-    rendering, loss, parts = objective(
-        model, settings, photo, index, iteration, schedule, state.generator
-    )
-    if not torch.isfinite(loss):
-        raise InputError(_not_finite(iteration, photo, parts))
+    try:
+        rendering, loss, parts = objective(
+            model, settings, photo, index, iteration, schedule, state.generator
+        )
+    except ValueError as error:
+        raise diverged_in_rendering(state, photo, error) from error
+    require_finite_loss(state, photo, float(loss.detach()), parts)
     torch.autograd.backward(loss)
     gradient = rendering.means2d.grad
     if iteration <= schedule.densify_last and gradient is not None:
@@ -86,9 +117,11 @@ def _step(
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
         centres = [photo.camera.centre for photo in photos]
         update_occlusion(model.foreground, centres, settings.occlusion)
-    if not state.history.is_due(iteration):
-        return None
-    return state.history.add(iteration, model, photo, rendering, parts)
+    is_due = state.history.is_due(iteration)
+    row = state.history.add(iteration, model, photo, rendering, parts) if is_due else None
+    if watched is not None:
+        watched.show_if_asked(state, photo, rendering)
+    return row
 
 
 def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> None:
@@ -101,7 +134,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
             density.threshold_first,
             density.threshold_last,
         )
-        densify(
+        grown = densify(
             model,
             state.optimizer,
             state.statistics.mean(),
@@ -112,11 +145,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
             generator=state.generator,
         )
         state.statistics = GradientStatistics(model.num_gaussians)
-        if len(model.foreground) == 0:
-            raise InputError(
-                f"training lost all foreground Gaussians at iteration {iteration}; check the "
-                "masks (polarity, coverage) and the learning rates"
-            )
+        watch_counts(state, grown)
     if schedule.resets_opacity(iteration):
         reset_opacity(model, state.optimizer, density.reset_opacity)
 
@@ -125,12 +154,4 @@ def _postfix(row: dict[str, float | int]) -> str:
     return (
         f"loss {row['loss']:.4f}  psnr {row['psnr']:.2f} dB  "
         f"{row['num_foreground']:.0f} foreground + {row['num_sky']:.0f} sky"
-    )
-
-
-def _not_finite(iteration: int, photo: Photo, parts: dict[str, float]) -> str:
-    bad = ", ".join(name for name, part in parts.items() if not isfinite(part))
-    return (
-        f"training diverged at iteration {iteration} on photo {photo.name}: the loss part(s) "
-        f"{bad} are not finite; lower the learning rates or rates.short_run_boost"
     )

@@ -67,7 +67,7 @@ def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Ph
     for view in scene.split("train"):
         pixels = read_photo(view, scene_folder)
         is_valid, is_sky = map(torch.from_numpy, load_masks(masks_folder, view))
-        planes = torch.from_numpy(pixels).permute(2, 0, 1).contiguous()
+        planes = torch.from_numpy(np.moveaxis(pixels, -1, 0).copy())
         photos.append(
             Photo(
                 view.name,

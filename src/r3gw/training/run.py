@@ -1,77 +1,135 @@
 """The training stage: files in, ``model.safetensors``, ``history.csv`` and ``run.json`` out."""
 
 import gc
+import logging
+from dataclasses import dataclass
 from pathlib import Path
 
 import torch
 
 from r3gw.files import write_json
+from r3gw.files.imports import Imports
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
+from r3gw.files.strict import read_yaml
 from r3gw.model.initial import load_initial
 from r3gw.model.model_file import save_model
 from r3gw.native import ops
+from r3gw.native.code import PACKAGE, code_digest
 from r3gw.scene import load_scene
-from r3gw.training.checkpoint import Checkpoints
+from r3gw.training.checkpoint import INTERVAL_S, Checkpoints
 from r3gw.training.loop import train
 from r3gw.training.photos import load_photos
-from r3gw.training.settings import load_train_settings
+from r3gw.training.run_digest import run_digest, run_parts
+from r3gw.training.settings import TrainSettings, load_train_settings
 from r3gw.training.start import initial_model
+from r3gw.training.watched import Watched
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class RunFiles:
+    """Where a training finds its inputs and leaves its results.
+
+    Attributes:
+        scene: Folder of the imported scene.
+        masks: Folder of its masks.
+        initial: ``initial.npz``.
+        settings: Resolved settings (JSON).
+        target: Folder of the run.
+    """
+
+    scene: Path
+    masks: Path
+    initial: Path
+    settings: Path
+    target: Path
 
 
 def run_training(
-    scene_folder: Path,
-    masks_folder: Path,
-    initial_path: Path,
-    settings_path: Path,
-    target: Path,
+    files: RunFiles,
     *,
     scene: str,
     variant: str,
     num_threads: int,
+    checkpoint_s: float = INTERVAL_S,
+    fresh: bool = False,
 ) -> None:
-    """Train and write model.safetensors, history.csv and, last, run.json into ``target``.
+    """Train and write model.safetensors, history.csv and, last, run.json into the run's folder.
+
+    A run that was interrupted is continued where its last checkpoint stands, if everything that it
+    depends on is still the same.
 
     Args:
-        scene_folder: Imported scene.
-        masks_folder: Its masks.
-        initial_path: ``initial.npz``.
-        settings_path: Resolved settings (JSON).
-        target: Folder of the run.
-        scene, variant: Names for the record.
+        files: Inputs and target.
+        scene: The scene's name, for the record.
+        variant: The variant's name, for the record.
         num_threads: CPU threads of torch and the rasterizer.
+        checkpoint_s: Seconds between checkpoints.
+        fresh: Begin anew even where a checkpoint stands.
 
     Raises:
         InputError: If an input is missing or malformed, or training diverges.
     """
     torch.set_num_threads(num_threads)
     ops.keep_freed_memory()
-    settings = load_train_settings(settings_path)
-    imported = load_scene(scene_folder)
-    photos = load_photos(imported, scene_folder, masks_folder)
+    settings = load_train_settings(files.settings)
+    imported = load_scene(files.scene)
+    photos = load_photos(imported, files.scene, files.masks)
+    initial = load_initial(files.initial)
     names = tuple(photo.name for photo in photos)
     sessions = tuple(view.session or view.name for view in imported.split("train"))
-    seen = [photo.seen_sky for photo in photos]
-    start = initial_model(load_initial(initial_path), names, settings, sessions, seen)
+    start = initial_model(initial, names, settings, sessions, [photo.seen_sky for photo in photos])
     values = settings.model_dump(mode="json")
-    checkpoints = Checkpoints(target, digest(values))
+    parts = run_parts(values, _code(), photos, sessions, initial, num_threads)
+    checkpoints = Checkpoints(files.target, parts, checkpoint_s)
+    if fresh:
+        checkpoints.discard()
+    _say_why_not_lengthened(files.target, settings)
     # What is loaded by now stays: the collector need not walk it during every iteration.
     gc.freeze()
-    model, history = train(start, photos, settings, checkpoints)
-    save_model(model, target / "model.safetensors", values)
-    history.write(target / "history.csv")
+    watched = Watched(files.target)
+    state = train(start, photos, settings, checkpoints, watched)
+    save_model(state.model, files.target / "model.safetensors", values)
+    state.history.write(files.target / "history.csv")
     record = {
         "scene": scene,
         "variant": variant,
         "seed": settings.seed,
         "iterations": settings.iterations,
         "settings_digest": digest(values),
+        "run_digest": run_digest(parts),
+        "depends_on": parts,
         "code_version": code_version(),
         "machine": machine(),
         "num_threads": num_threads,
-        "training_seconds": history.seconds(),
+        "training_seconds": state.history.seconds(),
         "peak_rss_mb": peak_rss_mb(),
-        "num_foreground": len(model.foreground),
-        "num_sky": len(model.sky.rows),
+        "num_foreground": len(state.model.foreground),
+        "num_sky": len(state.model.sky.rows),
+        "notes": state.notes,
     }
-    write_json(target / "run.json", record)
+    write_json(files.target / "run.json", record)
     checkpoints.discard()
+    watched.discard()
+
+
+def _code() -> str:
+    """Digest of all code that this stage can reach."""
+    return code_digest([__name__], Imports(PACKAGE))
+
+
+def _say_why_not_lengthened(target: Path, settings: TrainSettings) -> None:
+    """Explain, where a shorter finished run lies, why this one does not go on from it."""
+    record = target / "run.json"
+    if not record.is_file():
+        return
+    done = read_yaml(record).get("iterations")
+    if isinstance(done, int) and done < settings.iterations:
+        log.warning(
+            "%s: the finished run of %d iterations is not lengthened to %d but made anew, because "
+            "learning rates, densification and shadows follow a schedule over the whole length",
+            record,
+            done,
+            settings.iterations,
+        )

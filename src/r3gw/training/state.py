@@ -1,6 +1,6 @@
 """Everything that changes while a run trains."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import torch
 
@@ -24,6 +24,7 @@ class TrainingState:
         order: Photos left in this epoch.
         generator: Draws everything random but dropout, which draws from torch's own.
         history: Rows so far.
+        notes: What run.json should say of the run, with the iteration where it happened first.
         iteration: Iterations done.
     """
 
@@ -34,6 +35,7 @@ class TrainingState:
     order: PhotoOrder
     generator: torch.Generator
     history: History
+    notes: dict[str, int] = field(default_factory=dict)
     iteration: int = 0
 
 

@@ -11,6 +11,8 @@ from r3gw.importing.settings import NerfOsrOriginalScene
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
 
+pytestmark = pytest.mark.slow
+
 
 def write(folder, split, number, image, pose):
     for kind in ("rgb", "pose", "intrinsics"):
@@ -68,7 +70,7 @@ def test_same_seed_gives_the_same_points(source, tmp_path):
 def test_photos_that_share_nothing_are_refused(tmp_path):
     rng = np.random.default_rng(0)
     for number in range(3):
-        noise = rng.integers(0, 255, (60, 80, 3), dtype=np.uint8)
+        noise = rng.integers(0, 255, (SIZE[1], SIZE[0], 3), dtype=np.uint8)
         pose = np.eye(4)
         pose[0, 3] = number
         write(tmp_path, "train" if number else "test", number, noise, pose)

@@ -12,6 +12,8 @@ from r3gw.importing.reconstruction.video import extract_frames
 from r3gw.importing.settings import PhotosScene
 from r3gw.importing.stage import import_scene
 
+pytestmark = pytest.mark.slow
+
 
 def write_video(path, frames):
     height, width = frames[0].shape[:2]

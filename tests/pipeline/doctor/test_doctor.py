@@ -87,7 +87,8 @@ def test_one_photo_is_too_few(patient, tmp_path, count):
     write_image(tmp_path / "few" / "masks" / "0.png", np.zeros((48, 64), np.uint8))
     patient.entry = {"format": "photos", "path": str(tmp_path / "few")}
     (problem,) = patient.examine().problems
-    assert f"few: {count} photo{'s are' if count > 1 else ' is'} here, but at least 3" in problem
+    found = "one photo is" if count == 1 else "2 photos are"
+    assert f"few: {found} here, but at least 3" in problem
 
 
 def upside_down(view):

@@ -10,6 +10,8 @@ import yaml
 from r3gw.pipeline.config import Config, run_settings
 from r3gw.scene import load_scene
 
+pytestmark = pytest.mark.slow
+
 
 def test_command_exits_with_one_line_per_problem(patient, tmp_path, repository):
     patient.entry["path"] = "nowhere"

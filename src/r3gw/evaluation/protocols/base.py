@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from r3gw.evaluation.trained_scene import TrainedScene
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.lighting.light import Light
 from r3gw.scene import View
 
@@ -66,5 +66,5 @@ class ViewProtocol(ABC):
         return view.split == self.split and has_all
 
     @abstractmethod
-    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
+    def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Render and score a view that it covers."""

@@ -8,9 +8,9 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
-from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_linear
 from r3gw.lighting.irradiance import irradiance
@@ -37,13 +37,13 @@ class Exact(ViewProtocol):
     is_pictured = True
     study_metrics = ("psnr", "ssim")
 
-    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
+    def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Render under the true light; ``oracle_psnr`` bounds what to expect."""
         assert view.truth is not None  # covers() holds
-        light = Light(trained.true_light(view.truth))
-        photo, is_scored = trained.photo(view), trained.is_scored(view)
-        picture = trained.render(view, light)
-        oracle = diffuse_oracle(trained, view.truth, light.sh)
+        light = Light(evaluated.true_light(view.truth))
+        photo, is_scored = evaluated.photo(view), evaluated.is_scored(view)
+        picture = evaluated.render(view, light)
+        oracle = diffuse_oracle(evaluated, view.truth, light.sh)
         figures = {
             **asdict(score(picture, photo, is_scored, view.name)),
             "oracle_psnr": masked_psnr(oracle, photo, is_scored, view.name),
@@ -52,11 +52,11 @@ class Exact(ViewProtocol):
 
 
 def diffuse_oracle(
-    trained: TrainedScene, truth: GroundTruth, light: Float[Tensor, "coeff 3"]
+    evaluated: EvaluatedScene, truth: GroundTruth, light: Float[Tensor, "coeff 3"]
 ) -> Float[np.ndarray, "h w 3"]:
     """Display values of true albedo and normals under bands 0 to 2 of a light; sky is white."""
-    albedo = read_linear(trained.scene_folder / truth.albedo)
-    normals = read_linear(trained.scene_folder / truth.normal)
+    albedo = read_linear(evaluated.scene_folder / truth.albedo)
+    normals = read_linear(evaluated.scene_folder / truth.normal)
     received = irradiance(light, torch.from_numpy(normals).flatten(0, 1)).numpy()
     linear = albedo * received.reshape(albedo.shape) / np.float32(pi)
     is_surface = np.linalg.norm(normals, axis=-1, keepdims=True) > 0.5

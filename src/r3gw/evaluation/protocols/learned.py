@@ -3,9 +3,9 @@
 from dataclasses import asdict
 from typing import Any
 
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
-from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.model.lights import photo_light
 from r3gw.scene import View
 
@@ -24,11 +24,11 @@ class Learned(ViewProtocol):
     is_pictured = True
     study_metrics = ("psnr",)
 
-    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
+    def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Score all valid pixels, and once more (``psnr_foreground``) those that are not sky."""
-        light = photo_light(trained.model, view.name)
-        photo, (is_valid, is_sky) = trained.photo(view), trained.masks(view)
-        picture = trained.render(view, light)
+        light = photo_light(evaluated.model, view.name)
+        photo, (is_valid, is_sky) = evaluated.photo(view), evaluated.masks(view)
+        picture = evaluated.render(view, light)
         figures: dict[str, Any] = asdict(score(picture, photo, is_valid, view.name))
         is_foreground = is_valid & ~is_sky
         if is_foreground.any():

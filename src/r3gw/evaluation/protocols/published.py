@@ -6,7 +6,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from r3gw.evaluation.trained_scene import TrainedScene
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.files import InputError
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.lighting import envmap
@@ -16,12 +16,12 @@ from r3gw.scene import EvaluationEntry, View
 
 
 def published_light(
-    trained: TrainedScene, view: View, entry: EvaluationEntry, *, is_linear: bool = False
+    evaluated: EvaluatedScene, view: View, entry: EvaluationEntry, *, is_linear: bool = False
 ) -> Float[Tensor, "coeff 3"]:
     """SH light of the view's LDR map at sun angle 0 (`r3gw.lighting.envmap.published_directions`).
 
     Args:
-        trained: Gives the scene's folder and the light's degree.
+        evaluated: Gives the scene's folder and the light's degree.
         view: Named in errors.
         entry: Map, initial rotation, threshold and scale.
         is_linear: Whether display values are made linear, as the published protocol does not. The
@@ -30,7 +30,7 @@ def published_light(
     Raises:
         InputError: If the map is unreadable or black, or its initial rotation is not about x alone.
     """
-    path = trained.scene_folder / entry.env_map
+    path = evaluated.scene_folder / entry.env_map
     given = envmap.read_env_map(path)
     if not given.any():
         raise InputError(f"{path}: is black, so view '{view.name}' has no light; replace the map")
@@ -38,7 +38,7 @@ def published_light(
     bright = torch.where(given > entry.threshold, light * entry.scale, light)
     height, width = bright.shape[:2]
     turn_rad = published_turn_rad(view, entry)
-    return envmap.projected(bright, _weights(height, width, turn_rad, trained.light_degree))
+    return envmap.projected(bright, _weights(height, width, turn_rad, evaluated.light_degree))
 
 
 @lru_cache(maxsize=2)

@@ -6,10 +6,10 @@ from math import pi
 import numpy as np
 from jaxtyping import Bool, Float
 
+from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
 from r3gw.evaluation.protocols.published import at_sun_angle, published_light
-from r3gw.evaluation.trained_scene import TrainedScene
 from r3gw.imaging.colour import GAMMA
 from r3gw.lighting.light import Light
 from r3gw.model.lights import learned_strength
@@ -41,11 +41,11 @@ class NerfOsr(ViewProtocol):
     is_pictured = True
     study_metrics: tuple[str, ...] = ("psnr", "ssim")
 
-    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
+    def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Sweep the sun, keep the best angle; the whole curve is in the figures."""
         assert view.evaluation is not None  # covers() holds
         angles_rad = np.linspace(*view.evaluation.sun_angles_rad, NUM_SUN_ANGLES)
-        return _swept(trained, view, view.evaluation, angles_rad)
+        return _swept(evaluated, view, view.evaluation, angles_rad)
 
 
 class FullYaw(NerfOsr):
@@ -63,11 +63,11 @@ class FullYaw(NerfOsr):
     is_pictured = False
     study_metrics = ()
 
-    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
+    def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Sweep the sun around the circle, keep the best angle."""
         assert view.evaluation is not None  # covers() holds
         angles_rad = np.linspace(-pi, pi, NUM_CIRCLE_ANGLES, endpoint=False)
-        return _swept(trained, view, view.evaluation, angles_rad)
+        return _swept(evaluated, view, view.evaluation, angles_rad)
 
 
 class NerfOsrLinear(NerfOsr):
@@ -87,27 +87,27 @@ class NerfOsrLinear(NerfOsr):
     is_pictured = False
     study_metrics = ("psnr",)
 
-    def evaluate(self, trained: TrainedScene, view: View) -> Outcome:
+    def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Sweep the sun, keep the best angle and exposure; ``exposure`` is relative to the map."""
         assert view.evaluation is not None  # covers() holds
-        given = published_light(trained, view, view.evaluation, is_linear=True)
+        given = published_light(evaluated, view, view.evaluation, is_linear=True)
         # Clamped pictures tell no exposure, so begin where those of the training photos are.
-        start = learned_strength(trained.model) / float(given[0].mean())
+        start = learned_strength(evaluated.model) / float(given[0].mean())
         angles_rad = np.linspace(*view.evaluation.sun_angles_rad, NUM_SUN_ANGLES)
         lights = [at_sun_angle(start * given, angle) for angle in angles_rad]
-        photo, is_scored = trained.photo(view), trained.is_scored(view)
+        photo, is_scored = evaluated.photo(view), evaluated.is_scored(view)
         curve = []
         for light in lights:
-            picture = trained.render(view, Light(light))
+            picture = evaluated.render(view, Light(light))
             fitted = np.clip(_display_factor(picture, photo, is_scored) * picture, 0.0, 1.0)
             curve.append(masked_psnr(fitted, photo, is_scored, view.name))
         best = int(np.argmax(curve))
         gain = 1.0
         for _ in range(NUM_EXPOSURE_STEPS):
-            picture = trained.render(view, Light(gain * lights[best]))
+            picture = evaluated.render(view, Light(gain * lights[best]))
             gain *= _display_factor(picture, photo, is_scored) ** GAMMA
         chosen = Light(gain * lights[best])
-        picture = trained.render(view, chosen)
+        picture = evaluated.render(view, chosen)
         figures = {
             **asdict(score(picture, photo, is_scored, view.name)),
             "angle_rad": float(angles_rad[best]),
@@ -119,23 +119,23 @@ class NerfOsrLinear(NerfOsr):
 
 
 def _swept(
-    trained: TrainedScene,
+    evaluated: EvaluatedScene,
     view: View,
     entry: EvaluationEntry,
     angles_rad: Float[np.ndarray, "angles"],
 ) -> Outcome:
     """The view at the sun angle whose masked PSNR against the test photo is best."""
-    first = published_light(trained, view, entry)
-    photo, is_scored = trained.photo(view), trained.is_scored(view)
+    first = published_light(evaluated, view, entry)
+    photo, is_scored = evaluated.photo(view), evaluated.is_scored(view)
     curve = [
         masked_psnr(
-            trained.render(view, Light(at_sun_angle(first, angle))), photo, is_scored, view.name
+            evaluated.render(view, Light(at_sun_angle(first, angle))), photo, is_scored, view.name
         )
         for angle in angles_rad
     ]
     best = int(np.argmax(curve))
     light = Light(at_sun_angle(first, angles_rad[best]))
-    picture = trained.render(view, light)
+    picture = evaluated.render(view, light)
     figures = {
         **asdict(score(picture, photo, is_scored, view.name)),
         "angle_rad": float(angles_rad[best]),

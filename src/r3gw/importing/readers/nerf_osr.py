@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from r3gw.files import InputError
+from r3gw.files.names import inside
 from r3gw.importing.evaluation_config import evaluated_views, read_evaluation
 from r3gw.importing.folders import (
     evaluation_with_mask,
@@ -188,8 +189,8 @@ def _ground_truth(folder: Path) -> dict[str, GroundTruth]:
         name: GroundTruth(
             exposure=view.exposure,
             white_balance=view.white_balance,
-            env_map=str(folder / "envmaps" / f"{view.session}.exr"),
-            **{kind: str(folder / kind / f"{name}.exr") for kind in _EXTENSIONS},
+            env_map=str(inside(folder, f"envmaps/{view.session}.exr", str(path))),
+            **{kind: str(inside(folder, f"{kind}/{name}.exr", str(path))) for kind in _EXTENSIONS},
         )
         for name, view in content.views.items()
     }

@@ -5,12 +5,13 @@ COLMAP (pixel centres at +0.5).
 """
 
 from collections.abc import Collection, Mapping
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from r3gw.files import InputError
+from r3gw.files.names import stated
 from r3gw.imaging.files import LDR_SUFFIXES
 from r3gw.importing.evaluation_config import read_evaluation
 from r3gw.importing.folders import (
@@ -59,7 +60,9 @@ class NerfstudioReader(Reader[NerfstudioScene]):
         photos = [frame.file_path for frame in transforms.frames]
         missing = [name for name in photos if not _photo_of(self.source, name).is_file()]
         named = named_files(transforms)
-        missing += [name for name in named if not (self.source / normalised(name)).is_file()]
+        missing += [
+            name for name in named if not stated(self.source, name, str(self._file)).is_file()
+        ]
         return missing + self.missing_evaluation()
 
     def read(self, effort: Effort) -> SourceScene:
@@ -77,7 +80,9 @@ class NerfstudioReader(Reader[NerfstudioScene]):
                 continue
             masks = masks_of(beside, path)
             if frame.mask_path is not None:
-                masks["is_valid"] = SourceMask(self.source / normalised(frame.mask_path))
+                masks["is_valid"] = SourceMask(
+                    stated(self.source, frame.mask_path, str(self._file))
+                )
             lens = lens_of(frame, transforms, photo, self._file)
             views.append(
                 SourceView(
@@ -94,7 +99,7 @@ class NerfstudioReader(Reader[NerfstudioScene]):
         require_training_views((view.split for view in views), self._file)
         ordered = tuple(sorted(views, key=lambda view: view.path))
         if transforms.ply_file_path is not None:
-            points = read_ply_points(self.source / normalised(transforms.ply_file_path))
+            points = read_ply_points(stated(self.source, transforms.ply_file_path, str(self._file)))
         else:
             points = triangulated_points(ordered, self.source, effort)
         unread = unread_keys(transforms)
@@ -149,11 +154,15 @@ class NerfstudioReader(Reader[NerfstudioScene]):
 
 
 def _photo_of(source: Path, file_path: str) -> Path:
-    """The photo that a frame names; its suffix may be left out. It need not exist."""
-    written = source / PurePosixPath(file_path.replace("\\", "/"))
+    """The photo that a frame names; its suffix may be left out. It need not exist.
+
+    Raises:
+        InputError: If the name leads out of the scene's folder.
+    """
     endings = ("", *LDR_SUFFIXES, *(suffix.upper() for suffix in LDR_SUFFIXES))
-    candidates = [written.with_name(written.name + ending) for ending in endings if written.name]
-    return next((path for path in candidates if path.is_file()), written)
+    file = str(source / "transforms.json")
+    candidates = [stated(source, file_path + ending, file) for ending in endings]
+    return next((path for path in candidates if path.is_file()), candidates[0])
 
 
 def _below(path: Path, folder: Path) -> str:

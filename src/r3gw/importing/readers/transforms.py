@@ -1,7 +1,7 @@
 """transforms.json, as nerfstudio and instant-ngp write it: what is read, and what is refused.
 
 nerfstudio: docs.nerf.studio, "Data conventions". instant-ngp adds ``is_fisheye`` and fields of view
-in degrees (its docs/nerf_dataset_tips.md). Keys that r3gw does not know are harmless only if they
+in degrees (its page on data sets). Keys that r3gw does not know are harmless only if they
 cannot change geometry: those that can are refused, others are counted and named.
 """
 

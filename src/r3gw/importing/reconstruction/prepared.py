@@ -17,9 +17,9 @@ from tqdm import tqdm
 from r3gw.files import InputError
 from r3gw.imaging.decode import Picture, read_picture
 from r3gw.imaging.files import rgb_of, write_image
-from r3gw.importing.exif import read_exif
 from r3gw.importing.folders import Masks, masks_of
-from r3gw.importing.orientation import upright_mask
+from r3gw.importing.reconstruction.exif import read_exif
+from r3gw.importing.reconstruction.orientation import upright_mask
 from r3gw.importing.reconstruction.panorama import is_panorama
 from r3gw.importing.source import MaskKind, SourceMask
 

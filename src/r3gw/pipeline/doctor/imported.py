@@ -1,6 +1,5 @@
 """The thorough half: an imported scene with its masks, as training and evaluation will see it."""
 
-import json
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
@@ -10,11 +9,11 @@ from typing import Any
 import numpy as np
 import torch
 
+from r3gw.evaluation.evaluated_scene import scored_pixels
 from r3gw.evaluation.metrics import EROSION_PX
 from r3gw.evaluation.protocols.published import published_turn_rad
-from r3gw.evaluation.trained_scene import scored_pixels
 from r3gw.files import InputError
-from r3gw.files.strict import read_yaml
+from r3gw.files.strict import read_json, read_yaml
 from r3gw.geometry.cameras import UP, pixel_rays
 from r3gw.importing.gauge import roll_deg
 from r3gw.importing.named_files import listed
@@ -63,7 +62,7 @@ def _registered(folder: Path) -> str:
     path = folder / "sfm_report.json"
     if not path.is_file():
         return "cameras came with the data"  # imported before every format had a report
-    report = json.loads(path.read_text())
+    report = read_json(path)
     lost = listed(report["not_registered"])
     found = f"{len(report['registered'])} of {report['photos']}"
     return found + (f"; left out: {lost}" if lost else "")

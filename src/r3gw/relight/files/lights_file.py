@@ -1,20 +1,22 @@
 """``lights.json``: the learned lights of a scene, for r3gw and for anybody else."""
 
-import json
 from collections.abc import Mapping
+from math import isqrt
 from pathlib import Path
 from typing import Literal
 
 import torch
 from jaxtyping import Float
+from pydantic import field_validator
 from torch import Tensor
 
-from r3gw.files import InputError, write_json
-from r3gw.files.strict import Strict, validated
+from r3gw.files import write_json
+from r3gw.files.strict import Strict, read_json, validated
 from r3gw.lighting.light import Light
 from r3gw.lighting.skies import LearnedSky
 
 NAME = "lights.json"
+HIGHEST_DEGREE = 10
 CONVENTION = {
     "basis": "real spherical harmonics, orthonormal, no Condon-Shortley phase; coefficient "
     "l*l + l + m for m = -l..l; degree 1 is 0.488603 times y, z, x",
@@ -33,6 +35,14 @@ class Coefficients(Strict):
 
     light: tuple[Row, ...]
     sky: tuple[Row, ...]
+
+    @field_validator("light", "sky")
+    @classmethod
+    def _is_complete(cls, rows: tuple[Row, ...]) -> tuple[Row, ...]:
+        degree = isqrt(len(rows)) - 1
+        if not rows or len(rows) != (degree + 1) ** 2 or degree > HIGHEST_DEGREE:
+            raise ValueError(f"{len(rows)} coefficients are no whole number of bands")
+        return rows
 
 
 class LightsFile(Strict):
@@ -78,13 +88,7 @@ def read_lights(folder: Path) -> dict[str, Light]:
     path = folder / NAME
     if not path.is_file():
         return {}
-    try:
-        values = json.loads(path.read_text())
-    except ValueError as error:
-        raise InputError(f"{path}: not readable as JSON ({error})") from None
-    if not isinstance(values, dict):
-        raise InputError(f"{path}: not the lights of an export; export the scene again")
-    content = validated(LightsFile, values, str(path))
+    content = validated(LightsFile, read_json(path), str(path))
     return {
         photo: Light(torch.tensor(entry.light), LearnedSky(torch.tensor(entry.sky)))
         for photo, entry in content.photos.items()

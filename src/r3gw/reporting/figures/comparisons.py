@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from r3gw.evaluation.decomposition import scale_per_channel, sky_band
-from r3gw.evaluation.trained_scene import scored_pixels
+from r3gw.evaluation.evaluated_scene import scored_pixels
 from r3gw.imaging.colour import GAMMA, display_array_from_linear
 from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.imaging.pictures import bytes_from_display, normal_picture

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from r3gw.evaluation.evaluated_scene import scored_pixels
 from r3gw.evaluation.gallery import light_picture
-from r3gw.evaluation.trained_scene import scored_pixels
 from r3gw.files import InputError
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_rgb

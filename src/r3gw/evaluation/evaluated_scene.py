@@ -22,7 +22,7 @@ from r3gw.scene import GroundTruth, Scene, View
 
 
 @dataclass(frozen=True)
-class TrainedScene:
+class EvaluatedScene:
     """One trained model beside its scene.
 
     Attributes:

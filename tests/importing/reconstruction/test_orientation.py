@@ -8,7 +8,7 @@ from support.exif import with_orientation
 from r3gw.files import InputError
 from r3gw.imaging.decode import read_picture
 from r3gw.imaging.files import read_rgb
-from r3gw.importing.orientation import upright_mask
+from r3gw.importing.reconstruction.orientation import upright_mask
 
 
 @pytest.mark.parametrize("orientation", [5, 6, 7, 8])
