@@ -65,6 +65,27 @@ def test_cost_is_measured(tiny, tmp_path):
     assert cost["render_megapixels"] == pytest.approx(48 * 32 / 1e6, rel=1e-9, abs=0)
     assert cost["render_threads"] == 1
     assert 50 < cost["peak_rss_mb"] < 20_000
+    trained = json.loads(tiny.model_path.with_name("run.json").read_text())
+    assert cost["training_seconds"] == trained["training_seconds"]
+    assert cost["training_peak_rss_mb"] == trained["peak_rss_mb"]
+
+
+@pytest.mark.slow
+def test_a_training_of_the_same_model_that_took_longer_changes_cost_alone(tiny, tmp_path):
+    run = json.loads(tiny.model_path.with_name("run.json").read_text())
+    for name, seconds in (("one", 10.0), ("two", 20.0)):
+        folder = tmp_path / name
+        folder.mkdir()
+        model = folder / tiny.model_path.name
+        model.write_bytes(tiny.model_path.read_bytes())
+        slower = {"training_seconds": seconds, "peak_rss_mb": 20 * seconds}
+        (folder / "run.json").write_text(json.dumps(run | slower))
+        evaluate_run(tiny.folder, tiny.masks, model, folder / "metrics", num_threads=1)
+    one, two = (tmp_path / name / "metrics" for name in ("one", "two"))
+    for path in (path for path in one.rglob("*.*") if path.name != "cost.json"):
+        assert path.read_bytes() == (two / path.relative_to(one)).read_bytes(), path.name
+    costs = [json.loads((folder / "cost.json").read_text()) for folder in (one, two)]
+    assert [cost["training_seconds"] for cost in costs] == [10.0, 20.0]
 
 
 def test_lights_are_those_of_the_model(tiny, tmp_path):
@@ -76,17 +97,6 @@ def test_lights_are_those_of_the_model(tiny, tmp_path):
     torch.testing.assert_close(torch.tensor(lights["a_1"]["light"]), light, rtol=1e-6, atol=1e-7)
     torch.testing.assert_close(torch.tensor(lights["a_1"]["sky"]), sky, rtol=1e-6, atol=1e-7)
     assert len(lights["a_0"]["light"]) == sh.num_coefficients(4)
-
-
-@pytest.mark.slow
-def test_same_inputs_give_the_same_bytes(tiny, tmp_path):
-    for name in ("one", "two"):
-        evaluate_run(tiny.folder, tiny.masks, tiny.model_path, tmp_path / name, num_threads=1)
-    for path in sorted((tmp_path / "one").rglob("*.*")):
-        twin = tmp_path / "two" / path.relative_to(tmp_path / "one")
-        if path.name == "cost.json":  # clocks
-            continue
-        assert path.read_bytes() == twin.read_bytes(), path.name
 
 
 def test_missing_run_record_and_model_are_named(tiny, tmp_path):
