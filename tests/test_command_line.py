@@ -9,6 +9,8 @@ from click.testing import CliRunner
 
 from r3gw.__main__ import cli
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = json.dumps({"building": "chapel"})
 
 
