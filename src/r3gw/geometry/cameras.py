@@ -14,7 +14,8 @@ class Camera:
     """One photo's camera.
 
     Attributes:
-        cam_from_world: Rigid transform ``[4, 4]``, float64.
+        cam_from_world: Rigid transform ``[4, 4]``, float64, on the CPU wherever the scene lies:
+            kernels read it as numbers.
         intrinsics: ``(fx, fy, cx, cy)`` in pixels.
         width: Picture width in pixels.
         height: Picture height in pixels.
