@@ -9,6 +9,8 @@ from click.testing import CliRunner
 
 from r3gw.__main__ import cli
 
+pytestmark = pytest.mark.slow
+
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "r3gw", *arguments]

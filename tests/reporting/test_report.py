@@ -8,6 +8,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pandas as pd
 import pytest
 from support.made_up_runs import GREEN, make_run, make_scene
 
@@ -115,6 +116,19 @@ def test_same_results_give_the_same_page(text, tmp_path):
     scenes = make_results(tmp_path, with_test=True)
     write_report(tmp_path, scenes, tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text() == text
+
+
+def test_a_slower_machine_changes_the_section_of_cost_alone(text, tmp_path):
+    scenes = make_results(tmp_path, with_test=True)
+    table = pd.read_csv(tmp_path / "cost.csv")
+    table[["training_minutes", "renders_per_second", "training_peak_rss_mb"]] *= 3
+    table.to_csv(tmp_path / "cost.csv", index=False)
+    write_report(tmp_path, scenes, tmp_path / "report.html")
+    parts = [
+        re.split("(?=<h2 id=)", page) for page in (text, (tmp_path / "report.html").read_text())
+    ]
+    different = [before[:14] for before, after in zip(*parts, strict=True) if before != after]
+    assert different == ['<h2 id="cost">']
 
 
 def test_photos_alone_make_a_page(tmp_path):

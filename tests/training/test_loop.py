@@ -162,3 +162,17 @@ def test_warm_up_moves_only_what_the_separation_loss_touches(settings, photos, i
 
 def test_extent_is_the_largest_distance_from_the_mean(photos):
     assert camera_extent([p.camera for p in photos]) == pytest.approx(1.1 * 0.2, rel=1e-6)
+
+
+def test_every_part_of_the_loss_gets_a_column(settings, photos, initial, tmp_path):
+    """Also one that nobody told the history of, and one that acts late; before, it is 0."""
+    state = run(settings, photos, initial)
+    state.history.rows[-1]["loss_of_tomorrow"] = 2.0
+    state.history.write(tmp_path / "history.csv")
+    table = pd.read_csv(tmp_path / "history.csv")
+    losses = [name for name in table.columns if name.startswith("loss_")]
+    assert "loss_ground" not in losses
+    assert (table[losses[:-1]].sum(axis=1) - table.loss).abs().max() < 2e-4
+    assert table.loss_reconstruction.iloc[0] == 0  # warm-up
+    assert table.loss_reconstruction.iloc[-1] > 0
+    assert table.loss_of_tomorrow.tolist() == [0.0] * (len(table) - 1) + [2.0]

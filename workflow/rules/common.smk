@@ -1,5 +1,6 @@
 # Every function and constant of the workflow; the other files hold rules only.
 import json
+import os
 import re
 import sys
 from functools import cache
@@ -45,6 +46,8 @@ if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
         raise WorkflowError("\n".join(incomplete))
 
 # Rules call the interpreter that runs Snakemake, whether its environment is active or not.
+# By the environment, because no result depends on it: another interval makes nothing again.
+os.environ.setdefault("R3GW_CHECKPOINT_SECONDS", str(CONFIG.checkpoint_seconds))
 shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PATH; ")
 
 
@@ -72,8 +75,8 @@ def code_of(command):
 
 
 def config_json():
-    """The whole configuration of this run, as JSON."""
-    return CONFIG.model_dump_json()
+    """All of this run's configuration that results depend on, as JSON."""
+    return CONFIG.model_dump_json(exclude={"checkpoint_seconds"})
 
 
 def benchmark_json(wildcards):

@@ -37,8 +37,8 @@ def page(
 ) -> None:
     """Write a scene as one HTML file that shows and relights it in any browser with WebGL 2.
 
-    RUN is a run's folder, its model.safetensors, or an exported relightable.ply (with lights.json beside
-    it). The file needs no network and no server.
+    RUN is a run's folder, its model.safetensors, or an exported relightable.ply (with lights.json
+    beside it). The file needs no network and no server.
     """
     from r3gw.view.page import write_page
     from r3gw.view.payload import PageOptions

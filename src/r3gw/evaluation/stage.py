@@ -1,9 +1,10 @@
 """The evaluation stage: a trained model in, figures per image, lights and pictures out.
 
-metrics.json holds ``run`` (run.json of the training, as it is), ``images`` (one record per view
-and protocol) and ``decomposition`` (one record per view and kind of comparison). Every image
-record also stands alone in images/<protocol>/<view>.json, with the run that it belongs to.
-cost.json holds what was measured with a clock; all other files are the same for the same model.
+metrics.json holds ``run`` (run.json of the training without what was measured), ``images`` (one
+record per view and protocol) and ``decomposition`` (one record per view and kind of comparison).
+Every image record also stands alone in images/<protocol>/<view>.json, with the run that it belongs
+to. cost.json holds all seconds and memory, the training's too; all other files are the same for the
+same model.
 """
 
 import shutil
@@ -33,6 +34,8 @@ from r3gw.scene import View, load_scene
 from r3gw.scene.selection import evenly
 
 NUM_LEARNED_PICTURES = 4
+# What run.json holds that no two trainings share: in cost.json, under another name.
+MEASURED = {"training_seconds": "training_seconds", "peak_rss_mb": "training_peak_rss_mb"}
 VISIBLE_ALPHA = 0.5
 
 
@@ -55,19 +58,21 @@ def evaluate_run(
         InputError: If an input is missing or malformed, or a mask leaves no pixel.
     """
     torch.set_num_threads(num_threads)
-    run = _read_run(model_path.with_name("run.json"))
+    record = _read_run(model_path.with_name("run.json"))
+    run = {key: value for key, value in record.items() if key not in MEASURED}
+    spent = {name: record[key] for key, name in MEASURED.items() if key in record}
     scene = load_scene(scene_folder)
     evaluated = EvaluatedScene(load_model(model_path), scene, scene_folder, masks_folder)
     (target / "metrics.json").unlink(missing_ok=True)
     for name in ("renders", "images", "relit"):
         shutil.rmtree(target / name, ignore_errors=True)
     images = _protocol_records(evaluated, target / "renders", str(run["scene"]))
-    for record in images:
-        path = target / "images" / record["protocol"] / f"{record['view']}.json"
-        write_json(path, {**record, "run": run})
+    for image in images:
+        path = target / "images" / image["protocol"] / f"{image['view']}.json"
+        write_json(path, {**image, "run": run})
     write_gallery(evaluated, target / "relit")
     write_lights(learned_lights(evaluated.model), "scene", target)
-    write_json(target / "cost.json", measured_cost(evaluated, num_threads))
+    write_json(target / "cost.json", spent | measured_cost(evaluated, num_threads))
     decomposition = surface_records(evaluated) + light_records(evaluated) + sky_records(evaluated)
     write_json(
         target / "metrics.json", {"run": run, "images": images, "decomposition": decomposition}

@@ -26,7 +26,8 @@ class Config(Strict):
     """The whole of config.yaml.
 
     ``train`` holds changes to config/train.yaml that every variant of this run shares; ``study``
-    is for ``snakemake study`` alone.
+    is for ``snakemake study`` alone. No result depends on ``checkpoint_seconds``, which says how
+    often a training saves its state.
     """
 
     scenes: dict[SceneName, SceneEntry] = Field(min_length=1)
@@ -35,6 +36,7 @@ class Config(Strict):
     ablations: AblationSettings
     train: dict[str, Any] = Field(default_factory=dict)
     study: StudySettings | None = None
+    checkpoint_seconds: float = Field(default=300.0, gt=0)
 
     @property
     def all_variants(self) -> list[str]:

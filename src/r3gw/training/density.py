@@ -16,6 +16,7 @@ from torch.optim import Optimizer
 import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.geometry.rotations import rotation_from_quaternion
 from r3gw.geometry.spherical import direction_from_angles
+from r3gw.model.attributes import OPACITY
 from r3gw.model.foreground import too_large
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import Rows
@@ -120,7 +121,7 @@ def reset_opacity(model: SceneModel, optimizer: Optimizer, highest: float) -> No
     ceiling = torch.logit(torch.tensor(highest))
     for rows in (model.foreground, model.sky.rows):
         if len(rows):
-            rows.overwrite(optimizer, "opacity_logits", rows["opacity_logits"].clamp(max=ceiling))
+            rows.overwrite(optimizer, OPACITY.name, rows[OPACITY.name].clamp(max=ceiling))
 
 
 def _strongest(grads: Float[Tensor, "n"], threshold: float, budget: int) -> Bool[Tensor, "n"]:
@@ -169,7 +170,7 @@ def split_children(
 
 def _prune(rows: Rows, optimizer: Optimizer, min_opacity: float, huge: float) -> None:
     """Drop rows that are nearly transparent or larger than ``huge`` world units."""
-    opacity = rows["opacity_logits"].detach().sigmoid()
+    opacity = OPACITY.of(rows).detach()
     is_kept = (opacity >= min_opacity) & ~too_large(rows["log_scales"], huge)
     none = {name: value.detach()[:0] for name, value in rows.values.items()}
     rows.rebuild(optimizer, torch.nonzero(is_kept).squeeze(-1), none)

@@ -41,8 +41,8 @@ def cost(metrics_files: Sequence[Path], target: Path) -> None:
     rows = []
     for run in load_runs(metrics_files):
         figures: Row = {
-            "training_minutes": float(run.provenance["training_seconds"]) / SECONDS_PER_MINUTE,
-            "training_peak_rss_mb": float(run.provenance["peak_rss_mb"]),
+            "training_minutes": run.cost["training_seconds"] / SECONDS_PER_MINUTE,
+            "training_peak_rss_mb": run.cost["training_peak_rss_mb"],
             "num_gaussians": run.num_gaussians,
             "num_foreground": int(run.provenance["num_foreground"]),
             "num_sky": int(run.provenance["num_sky"]),
