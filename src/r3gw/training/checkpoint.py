@@ -94,7 +94,8 @@ class Checkpoints:
 
     def discard(self) -> None:
         """Remove all checkpoints in the folder: the run is complete, or begins afresh."""
-        for path in self._all():
+        # Two dots: what a process was writing when it was killed.
+        for path in (*self._all(), *self.path.parent.glob("..checkpoint-*")):
             path.unlink(missing_ok=True)
 
     def _all(self) -> list[Path]:
