@@ -1,4 +1,4 @@
-"""Entry point of ``python -m r3gw``; the commands are in r3gw.cli."""
+"""Entry point of ``r3gw`` and ``python -m r3gw``; the commands are in r3gw.cli."""
 
 import sys
 
@@ -8,13 +8,15 @@ import click
 from r3gw.cli import check, data, report, runs, score, use, view  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
+from r3gw.files.extras import missing_extra
 from r3gw.native.code import EXTENSION, MISSING, require_current_extension
 
 
 def main() -> None:
     """Run the command line, unless its kernels are older than their sources.
 
-    Bad input, and what the operating system refuses, end in one sentence and exit status 2.
+    Bad input, what the operating system refuses, and a library of an extra that is not installed
+    end in one sentence and exit status 2.
     """
     try:
         require_current_extension()
@@ -26,9 +28,11 @@ def main() -> None:
     except MemoryError:
         _stop("there is not enough memory; close other programs or use smaller pictures")
     except ModuleNotFoundError as error:
-        if error.name != EXTENSION:
+        if error.name == EXTENSION:
+            _stop(MISSING)
+        if (missing := missing_extra(error)) is error:
             raise
-        _stop(MISSING)
+        _stop(str(missing))
 
 
 def _stop(sentence: str) -> None:

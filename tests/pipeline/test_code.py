@@ -10,6 +10,8 @@ from r3gw.files import InputError
 from r3gw.native.code import extension_digest, require_current_extension
 from r3gw.pipeline.code import StageCode
 
+pytestmark = pytest.mark.slow
+
 # These name the protocols, which render.
 SCORED = {"evaluate", "tables", "study", "figures", "report"}
 USING = SCORED | {"doctor"}

@@ -37,7 +37,7 @@ for (const kind of ["error", "warn"]) {
   console[kind] = (...all) => { post("/complaint", all.map(String).join(" ")); own(...all); };
 }
 (async () => {
-  while (!globalThis.r3gw) await new Promise((resolve) => setTimeout(resolve, 20));
+  while (!globalThis.r3gwApp) await new Promise((resolve) => setTimeout(resolve, 20));
   const jobs = await (await fetch("/jobs")).json();
   for (const job of jobs) {
     try {

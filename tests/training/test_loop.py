@@ -6,13 +6,12 @@ import os
 import pandas as pd
 import pytest
 import torch
+from support.flat_world import flat_photos, flat_points
 from support.settings import train_settings
 
-from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_rgb
 from r3gw.model.initial import InitialPoints
 from r3gw.model.model_file import save_model
-from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.training.checkpoint import Checkpoints
 from r3gw.training.loop import train
 from r3gw.training.photos import Photo, camera_extent
@@ -36,28 +35,12 @@ def settings() -> TrainSettings:
 
 @pytest.fixture
 def photos() -> list[Photo]:
-    """Two views of a flat, grey-red world under a blue upper third."""
-    found = []
-    for name, shift in (("a", 0.0), ("b", 0.4)):
-        cam_from_world = torch.eye(4, dtype=torch.float64)
-        cam_from_world[0, 3] = shift
-        camera = Camera(cam_from_world, (30.0, 30.0, 16.0, 12.0), 32, 24)
-        planes = torch.empty(3, 24, 32, dtype=torch.uint8)
-        planes[:, :8] = torch.tensor([90, 140, 220], dtype=torch.uint8)[:, None, None]
-        planes[:, 8:] = torch.tensor([150, 90, 80], dtype=torch.uint8)[:, None, None]
-        is_sky = torch.zeros(24, 32, dtype=torch.bool)
-        is_sky[:8] = True
-        found.append(Photo(name, camera, planes, torch.ones(24, 32, dtype=torch.bool), is_sky))
-    return found
+    return flat_photos()
 
 
 @pytest.fixture
 def initial() -> InitialPoints:
-    generator = torch.Generator().manual_seed(0)
-    points = torch.rand(150, 3, generator=generator) * torch.tensor([6.0, 2.4, 0.2])
-    points += torch.tensor([-3.0, -0.5, 4.0])
-    dome = SkyDome(torch.tensor([0.0, 0.5, 0.0]), 8.0, (-1.0, 1.0))
-    return InitialPoints(points, dome, sample_dome(dome, 200, generator))
+    return flat_points()
 
 
 def run(settings, photos, initial):

@@ -31,8 +31,8 @@ const bytes = Uint8Array.from(atob("{content}"), (c) => c.charCodeAt(0));
 files.items.add(new File([bytes], "{name}"));
 input.files = files.files;
 input.dispatchEvent(new Event("change"));
-const before = r3gw.mapsRead;
-while (r3gw.mapsRead === before) await new Promise((resolve) => setTimeout(resolve, 10));
+const before = r3gwApp.mapsRead;
+while (r3gwApp.mapsRead === before) await new Promise((resolve) => setTimeout(resolve, 10));
 """
 
 
@@ -44,7 +44,7 @@ def drop(path: Path) -> str:
 def shot(view: str, **state: object) -> str:
     """Job that draws a view in a state and returns it as PNG."""
     arguments = json.dumps([{"auto": False, **state}, view, *SIZE])
-    return f"return r3gw.probe(...{arguments});"
+    return f"return r3gwApp.probe(...{arguments});"
 
 
 def pixels(url: str) -> np.ndarray:

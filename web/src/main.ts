@@ -20,7 +20,7 @@ async function start(): Promise<void> {
   await stage.settle();
   document.body.classList.add("ready");
   performance.mark("r3gw-ready");
-  (globalThis as Record<string, unknown>).r3gw = app;
+  (globalThis as Record<string, unknown>).r3gwApp = app;
 }
 
 start().catch((error: unknown) => {

@@ -9,6 +9,7 @@ from subprocess import CalledProcessError
 
 from r3gw.files import InputError
 from r3gw.reporting.figures.kinds import PICTURES, PLOTS
+from r3gw.reporting.methods import recommended
 from r3gw.pipeline.code import StageCode
 from r3gw.pipeline.config import load_config, run_settings
 from snakemake.exceptions import WorkflowError
@@ -28,6 +29,7 @@ SYNTHETIC = [
 # Several scenes render side by side, one process each; a single one has all cores to itself.
 GENERATE_THREADS = max(1, (workflow.cores or 1) // max(1, len(SYNTHETIC)))
 VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
+PAGE_VARIANT = recommended(CONFIG.variants)
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.

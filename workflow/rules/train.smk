@@ -26,7 +26,9 @@ rule train:
         settings="results/{scene}/{variant}/seed{seed}/settings.json",
         checked="results/{scene}/{variant}/seed{seed}/checked.json",
     output:
-        model=ensure("results/{scene}/{variant}/seed{seed}/model.safetensors", non_empty=True),
+        model=ensure(
+            "results/{scene}/{variant}/seed{seed}/model.safetensors", non_empty=True
+        ),
         history="results/{scene}/{variant}/seed{seed}/history.csv",
         record="results/{scene}/{variant}/seed{seed}/run.json",
     log:

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import torch
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.files import InputError, write_json
 from r3gw.files.imports import Imports
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
 from r3gw.files.strict import read_json
 from r3gw.model.initial import load_initial
 from r3gw.model.model_file import save_model
+from r3gw.native import ops
 from r3gw.native.code import PACKAGE, code_digest
 from r3gw.scene import load_scene
 from r3gw.training.checkpoint import INTERVAL_S, Checkpoints
@@ -72,7 +72,7 @@ def run_training(
         InputError: If an input is missing or malformed, or training diverges.
     """
     torch.set_num_threads(num_threads)
-    torch.ops.r3gw.keep_freed_memory()
+    ops.keep_freed_memory()
     settings = load_train_settings(files.settings)
     imported = load_scene(files.scene)
     photos = load_photos(imported, files.scene, files.masks)
