@@ -12,6 +12,7 @@ import multiprocessing
 import tempfile
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import click
@@ -45,9 +46,10 @@ def main(photos: Path | None, count: int, ways: str, threads: int) -> None:
             folder = Path(name) / "photos"
             make_photos(folder, count)
         for way in ways.split(","):
-            with multiprocessing.get_context("spawn").Pool(1) as pool:
-                target = Path(name) / way
-                rows.append(pool.apply(measure, (folder, target, way, threads)))
+            context = multiprocessing.get_context("spawn")
+            with ProcessPoolExecutor(1, mp_context=context) as pool:
+                measured = pool.submit(measure, folder, Path(name) / way, way, threads)
+                rows.append(measured.result())
             print(rows[-1], flush=True)
     table = pd.DataFrame(rows)
     with atomic_path(TARGET) as path:
