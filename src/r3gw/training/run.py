@@ -55,7 +55,10 @@ def run_training(
     checkpoint_s: float = INTERVAL_S,
     fresh: bool = False,
 ) -> None:
-    """Train and write model.safetensors, history.csv and, last, run.json into the run's folder.
+    """Train and write model.safetensors, history.csv, timing.json and, last, run.json.
+
+    What was measured is in timing.json alone, so a second run on the same machine gives the same
+    bytes in all other files.
 
     A run that was interrupted is continued where its last checkpoint stands, if everything that it
     depends on is still the same.
@@ -103,12 +106,12 @@ def run_training(
         "code_version": code_version(),
         "machine": machine(),
         "num_threads": num_threads,
-        "training_seconds": state.history.seconds(),
-        "peak_rss_mb": peak_rss_mb(),
         "num_foreground": len(state.model.foreground),
         "num_sky": len(state.model.sky.rows),
         "notes": state.notes,
     }
+    timing = {"training_seconds": state.history.seconds(), "peak_rss_mb": peak_rss_mb()}
+    write_json(files.target / "timing.json", timing)
     write_json(files.target / "run.json", record)
     checkpoints.discard()
     watched.discard()
