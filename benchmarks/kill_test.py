@@ -6,7 +6,8 @@ A small configuration with `full` and `r3gw_plus` runs once undisturbed. Then th
 started again and again in a second folder, and killed (SIGKILL) after a random time: the whole
 process group, Snakemake alone, or one stage. When a run gets to its end, every file is compared
 with the calm run's, but for what was measured, and the folder is emptied. What ran when the kill
-came is counted by stage. Exit status 1 if any file differs, any run fails or any stage outlives its run.
+came is counted by stage. Exit status 1 if any file differs, any run fails or any stage outlives its
+run.
 """
 
 import argparse
