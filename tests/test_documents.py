@@ -47,7 +47,7 @@ def resolves(name: str) -> bool:
     return False
 
 
-@pytest.mark.parametrize("path", CHECKED, ids=shown)
+@pytest.mark.parametrize("path", [p for p in CHECKED if p.suffix not in {".h", ".cpp"}], ids=shown)
 def test_names_of_the_package_are_there(path):
     names = set(NAME.findall(path.read_text()))
     names -= {name for name in names if name.endswith(("._C", ".yaml", ".json"))}

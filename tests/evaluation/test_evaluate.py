@@ -77,21 +77,22 @@ def test_cost_is_measured(tiny, done):
     assert cost["render_megapixels"] == pytest.approx(48 * 32 / 1e6, rel=1e-9, abs=0)
     assert cost["render_threads"] == 1
     assert 50 < cost["peak_rss_mb"] < 20_000
-    trained = json.loads(tiny.model_path.with_name("run.json").read_text())
+    trained = json.loads(tiny.model_path.with_name("timing.json").read_text())
     assert cost["training_seconds"] == trained["training_seconds"]
     assert cost["training_peak_rss_mb"] == trained["peak_rss_mb"]
 
 
 @pytest.mark.slow
 def test_a_training_of_the_same_model_that_took_longer_changes_cost_alone(tiny, tmp_path):
-    run = json.loads(tiny.model_path.with_name("run.json").read_text())
+    run = tiny.model_path.with_name("run.json").read_text()
     for name, seconds in (("one", 10.0), ("two", 20.0)):
         folder = tmp_path / name
         folder.mkdir()
         model = folder / tiny.model_path.name
         model.write_bytes(tiny.model_path.read_bytes())
         slower = {"training_seconds": seconds, "peak_rss_mb": 20 * seconds}
-        (folder / "run.json").write_text(json.dumps(run | slower))
+        (folder / "run.json").write_text(run)
+        (folder / "timing.json").write_text(json.dumps(slower))
         evaluate_run(tiny.folder, tiny.masks, model, folder / "metrics", num_threads=1)
     one, two = (tmp_path / name / "metrics" for name in ("one", "two"))
     for path in (path for path in one.rglob("*.*") if path.name != "cost.json"):
@@ -115,5 +116,8 @@ def test_missing_run_record_and_model_are_named(tiny, tmp_path):
     with pytest.raises(InputError, match=r"run\.json: no such file; train"):
         evaluate_run(tiny.folder, tiny.masks, model, tmp_path, num_threads=1)
     (tmp_path / "run.json").write_text('{"scene": "tiny"}')
+    with pytest.raises(InputError, match=r"timing\.json: no such file; train"):
+        evaluate_run(tiny.folder, tiny.masks, model, tmp_path, num_threads=1)
+    (tmp_path / "timing.json").write_text("{}")
     with pytest.raises(InputError, match=r"model\.safetensors: no such model"):
         evaluate_run(tiny.folder, tiny.masks, model, tmp_path, num_threads=1)

@@ -3,7 +3,6 @@
 
 rule table1:
     input:
-        published=PUBLISHED,
         metrics=collect(
             "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
             scene=SCENES,
@@ -30,8 +29,10 @@ rule table1:
         "logs/table1.log",
     params:
         code=code_of("tables"),
+        published=PUBLISHED,
+        figures=state_of(PUBLISHED),
     shell:
-        "python -m r3gw tables --kind table1 --published {input.published}"
+        "python -m r3gw tables --kind table1 --published {params.published:q}"
         " --target results {input.metrics} > {log} 2>&1"
 
 

@@ -1,10 +1,10 @@
 """The evaluation stage: a trained model in, figures per image, lights and pictures out.
 
-metrics.json holds ``run`` (run.json of the training without what was measured), ``images`` (one
-record per view and protocol) and ``decomposition`` (one record per view and kind of comparison).
-Every image record also stands alone in images/<protocol>/<view>.json, with the run that it belongs
-to. cost.json holds all seconds and memory, the training's too; all other files are the same for the
-same model.
+metrics.json holds ``run`` (run.json of the training, as it is), ``images`` (one record per view and
+protocol) and ``decomposition`` (one record per view and kind of comparison). Every image record
+also stands alone in images/<protocol>/<view>.json, with the run that it belongs to. cost.json holds
+all seconds and memory, those of the training's timing.json too; all other files are the same for
+the same model.
 """
 
 import shutil
@@ -34,7 +34,7 @@ from r3gw.scene import View, load_scene
 from r3gw.scene.selection import evenly
 
 NUM_LEARNED_PICTURES = 4
-# What run.json holds that no two trainings share: in cost.json, under another name.
+# Figures of the training's timing.json, and their names in cost.json.
 MEASURED = {"training_seconds": "training_seconds", "peak_rss_mb": "training_peak_rss_mb"}
 VISIBLE_ALPHA = 0.5
 
@@ -47,7 +47,7 @@ def evaluate_run(
     Args:
         scene_folder: Imported scene.
         masks_folder: Its masks.
-        model_path: model.safetensors, with the training's run.json beside it.
+        model_path: model.safetensors, with the training's run.json and timing.json beside it.
         target: Folder for metrics.json, lights.json, cost.json, images/<protocol>/<view>.json,
             renders/ and relit/ (`write_gallery`). renders/ holds, of all test views and of four
             training views, ``<kind>/<view>.png`` where a kind is a protocol or one of albedo,
@@ -58,9 +58,9 @@ def evaluate_run(
         InputError: If an input is missing or malformed, or a mask leaves no pixel.
     """
     torch.set_num_threads(num_threads)
-    record = _read_run(model_path.with_name("run.json"))
-    run = {key: value for key, value in record.items() if key not in MEASURED}
-    spent = {name: record[key] for key, name in MEASURED.items() if key in record}
+    run = _read(model_path.with_name("run.json"))
+    timing = _read(model_path.with_name("timing.json"))
+    spent = {name: timing.get(key) for key, name in MEASURED.items()}
     scene = load_scene(scene_folder)
     evaluated = EvaluatedScene(load_model(model_path), scene, scene_folder, masks_folder)
     (target / "metrics.json").unlink(missing_ok=True)
@@ -79,7 +79,7 @@ def evaluate_run(
     )
 
 
-def _read_run(path: Path) -> dict[str, Any]:
+def _read(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise InputError(f"{path}: no such file; train the scene again")
     return read_json(path)

@@ -197,7 +197,7 @@ def picture_losses(
     intrinsics: Sequence[float],
     cam_from_world: Tensor,
 ) -> PictureTerms:
-    """See `r3gw.training.losses.fused.picture_losses`; a loss of weight 0 is not computed.
+    """See `r3gw.training.losses.fused.picture`; a loss of weight 0 is not computed.
 
     Args:
         planes, alpha: What was rendered.

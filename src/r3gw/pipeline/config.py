@@ -9,7 +9,7 @@ from pydantic import Field
 from r3gw.files import InputError
 from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.pipeline.scene_entry import SceneEntry
-from r3gw.pipeline.study import StudySettings
+from r3gw.pipeline.study import StudySettings, VariantName
 from r3gw.training.settings import TrainSettings
 
 SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
@@ -18,7 +18,7 @@ SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 class AblationSettings(Strict):
     """What ``snakemake ablations`` covers."""
 
-    variants: list[str] = Field(min_length=1)
+    variants: list[VariantName] = Field(min_length=1)
     seeds: list[int] = Field(min_length=1)
 
 
@@ -31,7 +31,7 @@ class Config(Strict):
     """
 
     scenes: dict[SceneName, SceneEntry] = Field(min_length=1)
-    variants: list[str] = Field(min_length=1)
+    variants: list[VariantName] = Field(min_length=1)
     seeds: list[int] = Field(min_length=1)
     ablations: AblationSettings
     train: dict[str, Any] = Field(default_factory=dict)

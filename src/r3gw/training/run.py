@@ -7,10 +7,10 @@ from pathlib import Path
 
 import torch
 
-from r3gw.files import write_json
+from r3gw.files import InputError, write_json
 from r3gw.files.imports import Imports
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
-from r3gw.files.strict import read_yaml
+from r3gw.files.strict import read_json
 from r3gw.model.initial import load_initial
 from r3gw.model.model_file import save_model
 from r3gw.native import ops
@@ -55,7 +55,10 @@ def run_training(
     checkpoint_s: float = INTERVAL_S,
     fresh: bool = False,
 ) -> None:
-    """Train and write model.safetensors, history.csv and, last, run.json into the run's folder.
+    """Train and write model.safetensors, history.csv, timing.json and, last, run.json.
+
+    What was measured is in timing.json alone, so a second run on the same machine gives the same
+    bytes in all other files.
 
     A run that was interrupted is continued where its last checkpoint stands, if everything that it
     depends on is still the same.
@@ -103,12 +106,12 @@ def run_training(
         "code_version": code_version(),
         "machine": machine(),
         "num_threads": num_threads,
-        "training_seconds": state.history.seconds(),
-        "peak_rss_mb": peak_rss_mb(),
         "num_foreground": len(state.model.foreground),
         "num_sky": len(state.model.sky.rows),
         "notes": state.notes,
     }
+    timing = {"training_seconds": state.history.seconds(), "peak_rss_mb": peak_rss_mb()}
+    write_json(files.target / "timing.json", timing)
     write_json(files.target / "run.json", record)
     checkpoints.discard()
     watched.discard()
@@ -124,7 +127,10 @@ def _say_why_not_lengthened(target: Path, settings: TrainSettings) -> None:
     record = target / "run.json"
     if not record.is_file():
         return
-    done = read_yaml(record).get("iterations")
+    try:
+        done = read_json(record).get("iterations")
+    except InputError:  # it is about to be written anew
+        return
     if isinstance(done, int) and done < settings.iterations:
         log.warning(
             "%s: the finished run of %d iterations is not lengthened to %d but made anew, because "

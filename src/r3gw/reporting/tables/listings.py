@@ -86,5 +86,6 @@ def _write_per_run(runs: Sequence[Run], figures: Sequence[str], target: Path) ->
     for run in runs:
         row = _key(run)
         row |= {figure: run.figures.get(figure, float("nan")) for figure in present}
-        rows.append(row | {k: v for k, v in run.provenance.items() if k not in row})
+        single = {k: v for k, v in run.provenance.items() if not isinstance(v, dict | list)}
+        rows.append(row | {k: v for k, v in single.items() if k not in row})
     write_csv(pd.DataFrame(rows), target)
