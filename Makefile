@@ -1,16 +1,14 @@
 # make all   install into .venv, then regenerate results/table1.csv on the embedded benchmark
 # make test  install with the test extra, then linters, type checker and the test suite
+# make kill-test   kills runs of a small workflow at random, and compares what comes out in the end
 # make test-quick  the tests that are not marked slow: for every edit, about a minute
 PYTHON ?= python3.11
 CORES ?= 2
 BIN := .venv/bin
-<<<<<<< HEAD
-SOURCES := pyproject.toml constraints.txt setup.py $(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
-=======
-SOURCES := pyproject.toml setup.py src/r3gw/native/build.py $(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
->>>>>>> main
+SOURCES := pyproject.toml constraints.txt setup.py src/r3gw/native/build.py \
+	$(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
-.PHONY: all ablations test test-quick lint sanitize constraints clean
+.PHONY: all ablations test test-quick kill-test lint sanitize constraints clean
 
 all: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) all
@@ -23,6 +21,10 @@ test: .venv/installed-test lint
 
 test-quick: .venv/installed-test
 	$(BIN)/python -m pytest -m "not slow"
+
+KILLS ?= 20
+kill-test: .venv/installed
+	$(BIN)/python benchmarks/kill_test.py --kills $(KILLS)
 
 lint: .venv/installed-test
 	$(BIN)/ruff check .
