@@ -16,24 +16,28 @@ def main() -> None:
 
     Bad input, and what the operating system refuses, end in one sentence and exit status 2.
     """
+    if (sentence := _ended_by()) is not None:
+        # Said when the error's frames are gone, and with them the progress bar that was under way.
+        click.echo(f"r3gw: {sentence}", err=True)
+        sys.exit(2)
+
+
+def _ended_by() -> str | None:
+    """Run the command; the sentence that it ends with, if it does not end well."""
     try:
         require_current_extension()
         cli()
     except InputError as error:
-        _stop(str(error))
+        return str(error)
     except OSError as error:
-        _stop(sentence_of(error))
+        return sentence_of(error)
     except MemoryError:
-        _stop("there is not enough memory; close other programs or use smaller pictures")
+        return "there is not enough memory; close other programs or use smaller pictures"
     except ModuleNotFoundError as error:
         if error.name != EXTENSION:
             raise
-        _stop(MISSING)
-
-
-def _stop(sentence: str) -> None:
-    click.echo(f"r3gw: {sentence}", err=True)
-    sys.exit(2)
+        return MISSING
+    return None
 
 
 if __name__ == "__main__":

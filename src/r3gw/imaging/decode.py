@@ -5,6 +5,7 @@ before anything is decoded, and whatever a decoder says of a broken file becomes
 """
 
 import io
+import re
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,8 @@ pi_heif.register_heif_opener()
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "HEIF", "BMP", "GIF")
 _ANIMATED = ("WEBP", "AVIF", "PNG", "GIF")
 _ORIENTATION_TAG, _NEW_SUBFILE_TAG, _DNG_VERSION_TAG = 0x0112, 0x00FE, 0xC612
+_RAW_DEPTH = re.compile(r";(\d+)")
+_MOST_DEFLATED = 1032  # times its size is all that deflated data can grow to (RFC 1951)
 _BROKEN = "not a readable picture (truncated or of another format?)"
 
 Pixels = NDArray[Any]  # uint8, uint16 or float32
@@ -78,6 +81,7 @@ def read_picture(path: Path) -> Picture:
             warnings.simplefilter("ignore")  # of odd metadata, which does not matter here
             with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
                 _refuse_unfit(image, path)
+                _refuse_hollow_png(image, len(data))
                 return _decoded(image, data, path)
     except InputError:
         raise
@@ -135,6 +139,22 @@ def _refuse_unfit(image: Any, path: Path) -> None:
             f"{path}: holds {frames} pictures (an animation or pages); save the one that is meant "
             "as PNG, or give a film as MP4"
         )
+
+
+def _refuse_hollow_png(image: Any, num_bytes: int) -> None:
+    """Refuse a PNG that cannot hold the pixels that its header claims; Pillow would fill them in.
+
+    Raises:
+        ValueError: If even the best deflated data of this length would be too short.
+    """
+    if image.format != "PNG" or not image.tile:
+        return
+    width, height = image.size
+    raw_mode = str(image.tile[0][3])
+    depth = _RAW_DEPTH.search(raw_mode)
+    bits = int(depth.group(1)) if depth else (1 if raw_mode == "1" else 8)
+    if width * height * bits * len(image.getbands()) > 8 * _MOST_DEFLATED * num_bytes:
+        raise ValueError(f"{num_bytes} bytes cannot hold {width}x{height} px")
 
 
 def _has_equal_pages(image: Any) -> bool:
