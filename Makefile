@@ -4,9 +4,10 @@
 PYTHON ?= python3.11
 CORES ?= 2
 BIN := .venv/bin
-SOURCES := pyproject.toml setup.py src/r3gw/native/build.py $(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
+SOURCES := pyproject.toml constraints.txt setup.py src/r3gw/native/build.py \
+	$(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
-.PHONY: all ablations test test-quick lint fuzz sanitize clean
+.PHONY: all ablations test test-quick lint fuzz sanitize constraints clean
 
 all: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) all
@@ -48,19 +49,26 @@ sanitize: .venv/installed-test
 .venv/bin/python:
 	$(PYTHON) -m venv .venv
 
-# torch comes first, because building the C++ extension needs the very torch that runs it.
+# The versions of constraints.txt. torch comes first, because building the C++ extension needs the
+# very torch that runs it.
+PIP := $(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt
 .venv/installed: .venv/bin/python $(SOURCES)
-	$(BIN)/pip install --quiet --disable-pip-version-check \
-		torch==2.13.0 setuptools==84.2.1 ninja==1.13.2 numpy==2.4.6
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-build-isolation --editable .
+	$(PIP) torch setuptools ninja numpy
+	$(PIP) --no-build-isolation --editable '.[pipeline,benchmark,view]'
 	touch $@
 
 # The test extra alone: asking pip for '.[test]' would compile the extension a second time.
 .venv/installed-test: .venv/installed
-	$(BIN)/pip install --quiet --disable-pip-version-check $$($(BIN)/python -c "import tomllib; \
+	$(PIP) $$($(BIN)/python -c "import tomllib; \
 		project = tomllib.load(open('pyproject.toml', 'rb'))['project']; \
 		print(*project['optional-dependencies']['test'])")
 	touch $@
+
+# After a change of versions: what is installed now becomes what everybody installs.
+constraints: .venv/installed-test
+	(sed '/^[^#]/d' constraints.txt; \
+		$(BIN)/pip freeze --all --exclude-editable --exclude pip | sed 's/+cpu$$//') > constraints.new
+	mv constraints.new constraints.txt
 
 clean:
 	rm -rf results logs .snakemake

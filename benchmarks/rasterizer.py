@@ -25,14 +25,15 @@ import torch
 from workloads import Drawing, workloads
 
 from r3gw.files import atomic_path
-from r3gw.raster import reference  # Loads torch.ops.r3gw too.
+from r3gw.native import ops as native  # Loads torch.ops.r3gw too.
+from r3gw.raster import reference
+from r3gw.rendering.channels import NUM_CHANNELS, NUM_LEARNED
 
 TARGET = Path("results/benchmarks/rasterizer.csv")
 COLUMNS = [
     *("kernel", "workload", "gaussians", "width", "height", "channels", "threads"),
     *("project_ms", "forward_ms", "backward_ms", "pairs_per_s", "peak_rss_mb", "load"),
 ]
-TRAINING_CHANNELS, TRAINING_GRADIENTS = 9, 7
 SECONDS_PER_ROW = 4.0
 BOTH = (1, 2)
 
@@ -60,14 +61,14 @@ def time_kernels(
 ) -> dict[int, dict[str, float]]:
     """Milliseconds of project, forward and backward (both halves) of r3gw or the naive kernel."""
     ops: Any = torch.ops.r3gw
-    ops.keep_freed_memory()  # as a training does
+    native.keep_freed_memory()  # as a training does
     geometry = (drawing.means, drawing.quaternions, drawing.scales)
     opacities, features = drawing.opacities, drawing.features
     size, channels = (drawing.width, drawing.height), features.shape[1]
     camera = (drawing.cam_from_world, drawing.intrinsics, *size)
     grad_planes = torch.randn(channels, drawing.height, drawing.width)
     grad_alpha = torch.randn(drawing.height, drawing.width)
-    columns = TRAINING_GRADIENTS if channels == TRAINING_CHANNELS else channels
+    columns = NUM_LEARNED if channels == NUM_CHANNELS else channels
     state: dict[str, Any] = {}
 
     def project() -> None:
@@ -165,7 +166,7 @@ def processes(quick: bool) -> list[tuple[str, str, int, Sequence[int]]]:
         wanted.append(("naive", workload.name, 3, (1,)))
         if workload.with_reference:
             wanted.append(("reference", workload.name, 3, (1,)))
-        for channels in (3, TRAINING_CHANNELS) if quick else (3, 8, TRAINING_CHANNELS, 16):
+        for channels in (3, NUM_CHANNELS) if quick else (3, 8, NUM_CHANNELS, 16):
             wanted.append(("r3gw", workload.name, channels, BOTH))
     return wanted
 

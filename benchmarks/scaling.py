@@ -20,6 +20,7 @@ from training_step import slab, step
 
 from r3gw.files import atomic_path
 from r3gw.files.provenance import peak_rss_mb
+from r3gw.native import ops
 from r3gw.training.schedule import Schedule
 from r3gw.training.state import first_state
 
@@ -35,7 +36,7 @@ def measure(job: tuple[str, int, int, int, int]) -> dict[str, str | int | float]
     """Least milliseconds of an iteration (see rasterizer.py) and the process's peak memory."""
     series, count, width, height, threads = job
     torch.set_num_threads(threads)
-    torch.ops.r3gw.keep_freed_memory()  # as a training does
+    ops.keep_freed_memory()  # as a training does
     workload = slab(count, width, height)
     settings = workload.settings
     state, schedule = first_state(workload.model, settings), Schedule.of(settings)

@@ -28,6 +28,7 @@ from r3gw.model.initial import InitialPoints
 from r3gw.model.model import SceneModel
 from r3gw.model.model_file import load_model
 from r3gw.model.sky import SkyDome, sample_dome
+from r3gw.native import ops
 from r3gw.scene import load_scene
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step
@@ -158,7 +159,7 @@ def measure(workload: Workload, threads: int) -> dict[str, str | int | float]:
 @click.option("--threads", type=int, multiple=True, default=(1, 2), show_default=True)
 def main(threads: tuple[int, ...]) -> None:
     """Print where the time of one training iteration goes."""
-    torch.ops.r3gw.keep_freed_memory()  # this and the next as a training does
+    ops.keep_freed_memory()  # this and the next as a training does
     gc.freeze()
     rows = []
     for count in threads:

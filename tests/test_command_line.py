@@ -9,6 +9,10 @@ from click.testing import CliRunner
 
 from r3gw.__main__ import cli
 
+pytestmark = pytest.mark.slow
+
+SETTINGS = json.dumps({"building": "chapel"})
+
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "r3gw", *arguments]
@@ -21,7 +25,8 @@ def test_every_stage_has_help(stage):
     assert shown.exit_code == 0
     body = shown.output.split("Options:")
     assert len(body[0].strip().splitlines()) >= 3  # usage and what the stage does
-    assert "--target" in shown.output or "--output" in shown.output
+    writes = "--target" in shown.output or "--output" in shown.output
+    assert writes or stage == "view"  # which shows a run and writes nothing
 
 
 def test_missing_scene_is_one_sentence(tmp_path):
@@ -35,16 +40,28 @@ def test_missing_scene_is_one_sentence(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("settings", "said"),
     [
-        ('{"format": "photos"', "not readable as JSON"),
+        ('{"building": "chapel"', "not readable as JSON"),
         ("[1]", "expected a JSON object"),
         (json.dumps({"building": "chapel", "sampels": 3}), "sampels"),
     ],
 )
-def test_wrong_settings_name_what_is_wrong(tmp_path, given, said):
-    done = run("generate", "--settings", given, "--target", str(tmp_path / "t"))
+def test_wrong_settings_name_what_is_wrong(tmp_path, settings, said):
+    done = run("generate", "--settings", settings, "--target", str(tmp_path / "t"))
     assert done.returncode == 2
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "t").exists()
+
+
+def test_a_library_of_an_extra_that_is_not_installed_is_one_sentence(tmp_path):
+    arguments = ["generate", "--settings", SETTINGS, "--target", str(tmp_path / "t")]
+    program = "import sys; sys.modules['mitsuba'] = None; from r3gw.__main__ import main; main()"
+    command = [sys.executable, "-c", program, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == (
+        "r3gw: this needs the Python library mitsuba, which is not installed: "
+        "pip install 'r3gw[view]'\n"
+    )

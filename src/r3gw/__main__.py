@@ -1,20 +1,22 @@
-"""Entry point of ``python -m r3gw``; the commands are in r3gw.cli."""
+"""Entry point of ``r3gw`` and ``python -m r3gw``; the commands are in r3gw.cli."""
 
 import sys
 
 import click
 
 # Importing the modules registers their commands.
-from r3gw.cli import check, data, report, runs, score, use  # noqa: F401
+from r3gw.cli import check, data, report, runs, score, use, view  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
+from r3gw.files.extras import missing_extra
 from r3gw.native.code import EXTENSION, MISSING, require_current_extension
 
 
 def main() -> None:
     """Run the command line, unless its kernels are older than their sources.
 
-    Bad input, and what the operating system refuses, end in one sentence and exit status 2.
+    Bad input, what the operating system refuses, and a library of an extra that is not installed
+    end in one sentence and exit status 2.
     """
     if (sentence := _ended_by()) is not None:
         # Said when the error's frames are gone, and with them the progress bar that was under way.
@@ -34,9 +36,11 @@ def _ended_by() -> str | None:
     except MemoryError:
         return "there is not enough memory; close other programs or use smaller pictures"
     except ModuleNotFoundError as error:
-        if error.name != EXTENSION:
+        if error.name == EXTENSION:
+            return MISSING
+        if (missing := missing_extra(error)) is error:
             raise
-        return MISSING
+        return str(missing)
     return None
 
 

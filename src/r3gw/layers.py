@@ -9,7 +9,7 @@ LAYERS = (
     ("rendering",),
     ("training",),
     ("relight",),
-    ("evaluation",),
+    ("evaluation", "view"),
     ("reporting",),
     ("pipeline",),
     ("cli",),

@@ -6,6 +6,8 @@ import pytest
 
 from r3gw.masks.classical import segment_sky
 
+pytestmark = pytest.mark.slow
+
 
 def made_photo(sky_rgb, wall_rgb, size=(300, 400), seed=0):
     """A gabled house with stones and a tree, under a sky with a soft gradient; and the sky."""

@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from support import nerf_osr_layout
+from support import dots, nerf_osr_layout
 
 from r3gw.files import InputError
 from r3gw.files.strict import validated
 from r3gw.imaging.files import read_grey, read_rgb, write_image
-from r3gw.importing.settings import NerfOsrScene
+from r3gw.importing.settings import ColmapScene, NerfOsrScene
 from r3gw.importing.stage import import_scene
 from r3gw.masks.folder import load_masks
 from r3gw.masks.settings import MaskSources
@@ -222,3 +222,26 @@ def test_dark_mask_is_refused_with_the_range_of_its_values(tmp_path):
     sentence = r"\(given, values from 0 to 38, white begins at 128\): every pixel is an occluder"
     with pytest.raises(InputError, match=sentence):
         make_masks(folder, target, GIVEN)
+
+
+def test_photos_of_a_rig_get_the_masks_and_labels_of_their_own_paths(tmp_path):
+    """Equal stems in several folders: masks by path, label maps by path or by the view's name."""
+    names = [f"{side}/{number}.png" for side in ("left", "right") for number in (1, 2)]
+    dots.colmap(tmp_path / "rig", names=names)
+    width, height = dots.SIZE
+    column, row = np.meshgrid(np.arange(width), np.arange(height))
+    for number, name in enumerate(names):
+        write_image(tmp_path / "rig" / "masks" / name, column >= 10 * (number + 1))
+        labels = np.where(row < 20 * (number + 1), 23, 11).astype(np.uint8)
+        path = "left_1.png" if number == 0 else name
+        write_image(tmp_path / "labels" / path, labels)
+    settings = ColmapScene(format="colmap", path=".")
+    scene = import_scene("rig", settings, tmp_path / "rig", tmp_path / "scene", num_threads=1)
+    sources = MaskSources(
+        sky_masks="labels", label_maps=str(tmp_path / "labels"), label_classes="cityscapes-ids"
+    )
+    make_masks(tmp_path / "scene", tmp_path / "masks", sources)
+    for number, view in enumerate(scene.views):
+        is_valid, is_sky = load_masks(tmp_path / "masks", view)
+        assert np.array_equal(is_valid, column >= 10 * (number + 1))
+        assert np.array_equal(is_sky, row < 20 * (number + 1))

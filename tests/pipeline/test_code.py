@@ -10,6 +10,8 @@ from r3gw.files import InputError
 from r3gw.native.code import extension_digest, require_current_extension
 from r3gw.pipeline.code import StageCode
 
+pytestmark = pytest.mark.slow
+
 # These name the protocols, which render.
 SCORED = {"evaluate", "tables", "study", "figures", "report"}
 USING = SCORED | {"doctor"}
@@ -30,11 +32,10 @@ EDITS = {
     "model/stage.py": {"initialise"},
     "model/occlusion.py": {"train"},
     "training/loop.py": {"train"},
-    "training/losses/picture.py": {"train"},
-    "training/losses/ssim.py": set(),
+    "training/losses/ssim.py": {"train"},
     "rendering/compose.py": {"train"} | USING,
-    "rendering/cook_torrance.py": {"evaluate", "study", "figures", "report"},
-    "raster/reference.py": set(),
+    "rendering/cook_torrance.py": {"train"} | USING,
+    "raster/reference.py": {"train"} | USING,
     "evaluation/protocols/swept.py": SCORED,
     "evaluation/scoring.py": set(),
     "relight/files/gltf.py": set(),

@@ -135,7 +135,7 @@ def test_values_out_of_range(name, bad, message):
     ("tensor", "message"),
     [
         (torch.zeros(4, 3), r"means must have shape \[5, 3\], got \[4, 3\]"),
-        (torch.zeros(5, 3, dtype=torch.float64), "means must be a float32 tensor on the CPU"),
+        (torch.zeros(5, 3, dtype=torch.int64), "means must be floating, got int64"),
         (torch.zeros(5), r"means must have shape \[5, 3\], got \[5\]"),
     ],
 )

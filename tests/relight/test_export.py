@@ -16,15 +16,22 @@ from r3gw.relight.cameras import CameraOptions
 from r3gw.relight.export import export
 from r3gw.relight.film import relight
 from r3gw.relight.gaussians import relightable_of
-from r3gw.relight.lights import LightOptions, PhotoSource
+from r3gw.relight.lights import LightOptions, PhotoSource, still_light
 from r3gw.relight.picture import frame
 from r3gw.relight.sweep import Sweep
 from r3gw.relight.tone import standard
+from r3gw.relight.trained import load
 from r3gw.scene import load_scene, save_scene
 from r3gw.scene.scene import Gauge
 
 A_0 = LightOptions(PhotoSource(("a_0",)))
 NAMES = ["baked.glb", "baked.ply", "lights.json", "relightable.ply"]
+
+
+def exported_to(model_path, scene_folder, target, light: LightOptions, **options) -> None:
+    """An export from files, as the command line makes it."""
+    trained = load(model_path, scene_folder)
+    export(trained, target, still_light(trained.gaussians, light), **options)
 
 
 def opened(path) -> dict[str, torch.Tensor]:
@@ -56,7 +63,7 @@ def seen(parts: dict[str, torch.Tensor], camera) -> torch.Tensor:
 def exported(tiny, tmp_path_factory):
     """An export baked for the camera of b_exact."""
     target = tmp_path_factory.mktemp("export")
-    export(tiny.model_path, tiny.folder, target, A_0, view="b_exact")
+    exported_to(tiny.model_path, tiny.folder, target, A_0, view="b_exact")
     return target
 
 
@@ -78,7 +85,7 @@ def test_the_baked_file_looks_like_the_relit_picture(tiny, exported):
 def test_without_a_view_colours_are_the_training_views_mean(tiny, tmp_path):
     parts = []
     for name, view in (("one", "a_0"), ("two", "a_1"), ("mean", None)):
-        export(tiny.model_path, tiny.folder, tmp_path / name, A_0, view=view)
+        exported_to(tiny.model_path, tiny.folder, tmp_path / name, A_0, view=view)
         parts.append(opened(tmp_path / name / "baked.ply")["features"])
     assert (parts[0] - parts[1]).abs().max() > 1e-3  # reflections move
     torch.testing.assert_close(parts[2], 0.5 * (parts[0] + parts[1]), rtol=0, atol=1e-6)
@@ -86,7 +93,7 @@ def test_without_a_view_colours_are_the_training_views_mean(tiny, tmp_path):
 
 def test_a_white_sky_is_white(tiny, tmp_path):
     light = LightOptions(PhotoSource(("a_0",)), sky="white")
-    export(tiny.model_path, tiny.folder, tmp_path, light)
+    exported_to(tiny.model_path, tiny.folder, tmp_path, light)
     rows = plyfile.PlyData.read(str(tmp_path / "relightable.ply"))["vertex"].data
     is_sky = rows["is_sky"] > 0
     assert is_sky.sum() == 400
@@ -111,7 +118,7 @@ def test_source_coordinates_undo_the_imports_similarity(tiny, tmp_path):
     gauge = Gauge.of(similarity)
     save_scene(scene.model_copy(update={"scene_from_source": gauge}), tmp_path / "scene")
     for coordinates in ("scene", "source"):
-        export(
+        exported_to(
             tiny.model_path, tmp_path / "scene", tmp_path / coordinates, A_0,
             coordinates=coordinates,
         )  # fmt: skip
@@ -178,14 +185,14 @@ def test_glb_by_hand(exported):
 def test_what_an_export_refuses(tiny, tmp_path):
     moving = LightOptions(PhotoSource(("a_0",)), yaw_deg=Sweep((0.0, 90.0)))
     with pytest.raises(InputError, match="one light"):
-        export(tiny.model_path, tiny.folder, tmp_path, moving)
+        exported_to(tiny.model_path, tiny.folder, tmp_path, moving)
     with pytest.raises(InputError, match="no view 'a_9'"):
-        export(tiny.model_path, tiny.folder, tmp_path, A_0, view="a_9")
+        exported_to(tiny.model_path, tiny.folder, tmp_path, A_0, view="a_9")
     lightless = tmp_path / "lightless"
-    export(tiny.model_path, tiny.folder, lightless, A_0)
+    exported_to(tiny.model_path, tiny.folder, lightless, A_0)
     (lightless / "lights.json").unlink()
     with pytest.raises(InputError, match=r"put the export's lights\.json beside"):
-        export(lightless / "relightable.ply", tiny.folder, tmp_path, A_0)
+        exported_to(lightless / "relightable.ply", tiny.folder, tmp_path, A_0)
     write_json(lightless / "lights.json", [])
     with pytest.raises(InputError, match=r"lights\.json"):
-        export(lightless / "relightable.ply", tiny.folder, tmp_path, A_0)
+        exported_to(lightless / "relightable.ply", tiny.folder, tmp_path, A_0)

@@ -11,9 +11,11 @@ from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.model.initial import InitialPoints
 from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.rendering import reference, splats
+from r3gw.rendering.channels import CHANNELS, NUM_LEARNED, Layers
+from r3gw.rendering.splat_set import Splats
 from r3gw.training.start import initial_model
 
-NAMES = [field.name for field in fields(splats.Splats)]
+NAMES = [field.name for field in fields(Splats) if field.name != "layers"]
 
 
 @pytest.fixture
@@ -41,21 +43,21 @@ def scene(settings, rows, *, specular, seed=0):
     return model
 
 
-def outcome(splats_of, model, camera, light, sky_light):
+def outcome(splats_of, model, camera, light, sky_light, layers=Layers.COLOUR):
     """All outputs, and the gradients of a random weighting of them."""
     light = light.clone().requires_grad_()
     leaves = [light]
     if sky_light is not None:
         sky_light = sky_light.clone().requires_grad_()
         leaves.append(sky_light)
-    result = splats_of(model, camera, light, sky_light)
+    result = splats_of(model, camera, light, sky_light, layers)
     generator = torch.Generator().manual_seed(1)
     total = 0.0
     for name in NAMES:
         value = getattr(result, name)
         weight = torch.randn(value.shape, generator=generator).to(value)
         if name == "features":
-            weight[:, 7:] = 0.0  # the sums send no gradient
+            weight[:, NUM_LEARNED:] = 0.0  # the sets' own channels send no gradient
         total = total + (weight * value).sum()
     parameters = [*model.foreground.parameters(), *model.sky.parameters()]
     for parameter in parameters:
@@ -67,14 +69,16 @@ def outcome(splats_of, model, camera, light, sky_light):
 
 @pytest.mark.parametrize("rows", [(0, 5), (1, 0), (16, 16), (500, 70)])
 @pytest.mark.parametrize(("coefficients", "specular"), [(25, True), (9, True), (9, False)])
-@pytest.mark.parametrize("white_sky", [False, True])
-def test_equals_the_plain_form(settings, turned_camera, rows, coefficients, specular, white_sky):
+@pytest.mark.parametrize(("white_sky", "layers"), [(False, Layers.COLOUR), (True, Layers.OPACITY)])
+def test_equals_the_plain_form(
+    settings, turned_camera, rows, coefficients, specular, white_sky, layers
+):
     model = scene(settings, rows, specular=specular)
     generator = torch.Generator().manual_seed(2)
     light = 0.5 * torch.randn(coefficients, 3, generator=generator)
     light[0] += 1.5
     sky_light = None if white_sky else 0.6 * torch.randn(4, 3, generator=generator)
-    ours = outcome(splats.splats_of, model, turned_camera, light, sky_light)
+    ours = outcome(splats.splats_of, model, turned_camera, light, sky_light, layers)
     exact = deepcopy(model)
     exact.foreground.double()
     exact.sky.double()
@@ -82,6 +86,7 @@ def test_equals_the_plain_form(settings, turned_camera, rows, coefficients, spec
         reference.splats_of,
         *(exact, turned_camera, light.double()),
         None if sky_light is None else sky_light.double(),
+        layers,
     )
     for found, expected in zip(ours[0] + ours[1], theirs[0] + theirs[1], strict=True):
         size = float(expected.abs().max()) if expected.numel() else 0.0
@@ -112,6 +117,22 @@ def test_nan_reaches_the_splats(settings, turned_camera, name):
     assert any(bool(torch.isnan(getattr(found, each)).any()) for each in NAMES)
 
 
-def test_degrees_without_a_kernel_are_an_error(model, camera):
-    with pytest.raises(ValueError, match="needs 9 or 25 light coefficients, got 16"):
-        splats.splats_of(model, camera, torch.zeros(16, 3), None)
+def test_a_degree_without_a_kernel_takes_the_plain_form(model, camera):
+    """Degree 3 with nothing in band 3 is degree 2."""
+    light = torch.zeros(16, 3)
+    light[:9] = torch.randn(9, 3, generator=torch.Generator().manual_seed(0))
+    light[0] += 2.0
+    found = splats.splats_of(model, camera, light, None).colours
+    expected = splats.splats_of(model, camera, light[:9], None).colours
+    torch.testing.assert_close(found, expected, rtol=1e-4, atol=1e-5)
+
+
+def test_both_languages_know_the_same_channels(model, camera):
+    """The plain form fills the columns by the names that channels.h gives them."""
+    light = torch.full((9, 3), 0.3)
+    features = [form.splats_of(model, camera, light, None).features for form in (splats, reference)]
+    first = 0
+    for columns in CHANNELS.values():
+        assert columns.start == first
+        first = columns.stop
+    assert features[0].shape[1] == features[1].shape[1] == first

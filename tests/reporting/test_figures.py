@@ -44,6 +44,7 @@ def draw(root: Path, runs: list[Path], target: Path) -> set[str]:
     return {path.name.removeprefix("x_") for path in target.iterdir()}
 
 
+@pytest.mark.slow
 def test_all_figures_of_a_scene_with_test_views(tmp_path):
     make_scene(tmp_path / "scene", with_test=True)
     runs = [make_run(tmp_path / v, v, with_test=True) for v in ("full", "no_specular")]

@@ -29,13 +29,14 @@ def write_run(
     ]
     run = {
         "scene": scene, "variant": variant, "seed": seed, "iterations": 100,
-        "training_seconds": seconds, "peak_rss_mb": 500.0, "num_foreground": 900 + 100 * seed,
+        "num_foreground": 900 + 100 * seed,
         "num_sky": 100, "num_threads": 1, "settings_digest": f"digest{variant}",
         "code_version": "0.1.0", "machine": "m",
     }  # fmt: skip
     path = root / "metrics" / "metrics.json"
     path.write_text(json.dumps({"run": run, "images": records, "decomposition": []}))
-    path.with_name("cost.json").write_text("{}")
+    cost = {"training_seconds": seconds, "training_peak_rss_mb": 500.0}
+    path.with_name("cost.json").write_text(json.dumps(cost))
     (root / "settings.json").write_text(json.dumps(SETTINGS | {"seed": seed} | changes))
     return path
 

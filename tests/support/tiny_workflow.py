@@ -41,7 +41,7 @@ TWO = CONFIG | {"scenes": CONFIG["scenes"] | {"twin": CONFIG["scenes"]["tiny"] |
 
 def checkout(repository: Path, folder: Path) -> Path:
     """Copy what the workflow is made of, the package too, so that tests may edit it."""
-    for name in ("workflow", "config", "src"):
+    for name in ("workflow", "config", "src", "profiles"):
         without = shutil.ignore_patterns("*.so", "__pycache__", "*.egg-info")
         shutil.copytree(repository / name, folder / name, ignore=without)
     shutil.copy(repository / "Snakefile", folder)

@@ -1,20 +1,24 @@
 """Training a tiny scene: it learns, it repeats byte for byte, it stops with a sentence."""
 
+import json
+import os
+
 import pandas as pd
 import pytest
 import torch
+from support.flat_world import flat_photos, flat_points
 from support.settings import train_settings
 
-from r3gw.geometry.cameras import Camera
+from r3gw.imaging.files import read_rgb
 from r3gw.model.initial import InitialPoints
 from r3gw.model.model_file import save_model
-from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.training.checkpoint import Checkpoints
 from r3gw.training.loop import train
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.settings import TrainSettings
 from r3gw.training.start import initial_model
 from r3gw.training.state import first_state
+from r3gw.training.watched import ASKED, CURVES, PATIENCE_S, PICTURE, Watched, ask
 
 PARTS = {"settings": "a", "code": "b"}
 
@@ -31,28 +35,12 @@ def settings() -> TrainSettings:
 
 @pytest.fixture
 def photos() -> list[Photo]:
-    """Two views of a flat, grey-red world under a blue upper third."""
-    found = []
-    for name, shift in (("a", 0.0), ("b", 0.4)):
-        cam_from_world = torch.eye(4, dtype=torch.float64)
-        cam_from_world[0, 3] = shift
-        camera = Camera(cam_from_world, (30.0, 30.0, 16.0, 12.0), 32, 24)
-        planes = torch.empty(3, 24, 32, dtype=torch.uint8)
-        planes[:, :8] = torch.tensor([90, 140, 220], dtype=torch.uint8)[:, None, None]
-        planes[:, 8:] = torch.tensor([150, 90, 80], dtype=torch.uint8)[:, None, None]
-        is_sky = torch.zeros(24, 32, dtype=torch.bool)
-        is_sky[:8] = True
-        found.append(Photo(name, camera, planes, torch.ones(24, 32, dtype=torch.bool), is_sky))
-    return found
+    return flat_photos()
 
 
 @pytest.fixture
 def initial() -> InitialPoints:
-    generator = torch.Generator().manual_seed(0)
-    points = torch.rand(150, 3, generator=generator) * torch.tensor([6.0, 2.4, 0.2])
-    points += torch.tensor([-3.0, -0.5, 4.0])
-    dome = SkyDome(torch.tensor([0.0, 0.5, 0.0]), 8.0, (-1.0, 1.0))
-    return InitialPoints(points, dome, sample_dome(dome, 200, generator))
+    return flat_points()
 
 
 def run(settings, photos, initial):
@@ -107,6 +95,37 @@ def test_interrupted_run_continues_to_the_same_bytes(settings, photos, initial, 
     assert not list(tmp_path.glob(".checkpoint*"))
 
 
+def test_a_watched_run_shows_itself_and_trains_the_same(settings, photos, initial, tmp_path):
+    ask(tmp_path)
+    watched = Watched(tmp_path)
+    start = initial_model(initial, ("a", "b"), settings)
+    state = train(start, photos, settings, watched=watched)
+    progress = json.loads((tmp_path / CURVES).read_text())
+    assert (progress["iteration"], progress["iterations"]) == (1, 80)
+    assert progress["rows"] == state.history.rows[:1]
+    photo = next(photo for photo in photos if photo.name == progress["photo"])
+    shown = read_rgb(tmp_path / PICTURE)
+    assert shown.shape == (24, 64, 3)
+    assert (shown[:, :32] == photo.planes.permute(1, 2, 0).numpy()).all()
+    for name, rows in run(settings, photos, initial).model.foreground.values.items():
+        torch.testing.assert_close(state.model.foreground[name], rows, rtol=0, atol=0)
+    watched.discard()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_nobody_watches_any_more_writes_nothing(settings, photos, initial, tmp_path):
+    def watch():
+        start = initial_model(initial, ("a", "b"), settings)
+        train(start, photos, settings, watched=Watched(tmp_path))
+        return sorted(path.name for path in tmp_path.iterdir())
+
+    assert watch() == []
+    ask(tmp_path)
+    long_ago = (tmp_path / ASKED).stat().st_mtime - 2 * PATIENCE_S
+    os.utime(tmp_path / ASKED, (long_ago, long_ago))
+    assert watch() == [ASKED]
+
+
 def test_another_seed_gives_another_model(settings, photos, initial):
     one = run(settings, photos, initial).model.foreground["means"]
     other = settings.model_copy(update={"seed": 6})
@@ -126,3 +145,17 @@ def test_warm_up_moves_only_what_the_separation_loss_touches(settings, photos, i
 
 def test_extent_is_the_largest_distance_from_the_mean(photos):
     assert camera_extent([p.camera for p in photos]) == pytest.approx(1.1 * 0.2, rel=1e-6)
+
+
+def test_every_part_of_the_loss_gets_a_column(settings, photos, initial, tmp_path):
+    """Also one that nobody told the history of, and one that acts late; before, it is 0."""
+    state = run(settings, photos, initial)
+    state.history.rows[-1]["loss_of_tomorrow"] = 2.0
+    state.history.write(tmp_path / "history.csv")
+    table = pd.read_csv(tmp_path / "history.csv")
+    losses = [name for name in table.columns if name.startswith("loss_")]
+    assert "loss_ground" not in losses
+    assert (table[losses[:-1]].sum(axis=1) - table.loss).abs().max() < 2e-4
+    assert table.loss_reconstruction.iloc[0] == 0  # warm-up
+    assert table.loss_reconstruction.iloc[-1] > 0
+    assert table.loss_of_tomorrow.tolist() == [0.0] * (len(table) - 1) + [2.0]

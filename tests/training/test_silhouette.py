@@ -59,7 +59,7 @@ def separation(model: SceneModel, photo: Photo) -> tuple[torch.Tensor, float]:
     assert schedule.warm_up >= 1
     generator = torch.Generator().manual_seed(0)
     _, loss, parts = objective(model, SETTINGS, photo, 0, 1, schedule, generator)
-    return loss, parts["separation"]
+    return loss, parts["silhouette"]
 
 
 def plain(model: SceneModel, photo: Photo) -> torch.Tensor:

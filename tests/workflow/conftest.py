@@ -20,7 +20,7 @@ def finished(repository, tmp_path_factory) -> Path:
 @pytest.fixture(scope="session")
 def with_twin(finished) -> Path:
     """The same copy, in which a second scene waits for its training."""
-    done = snakemake(finished, "results/twin/full/seed0/checked.json", config=TWO)
+    done = snakemake(finished, "results/twin/checked.json", config=TWO)
     assert done.returncode == 0, done.stderr
     assert "tiny" not in {scene for _, scene in started(done.stderr)}
     return finished

@@ -1,7 +1,12 @@
-"""The doctor is the first rule of `all`, and what it refuses does not start."""
+"""The doctor looks before the work begins, and what it refuses does not start."""
+
+import re
 
 import pytest
 from support.tiny_workflow import CONFIG, snakemake, started
+
+from r3gw.pipeline.doctor.training import predicted, read_size
+from r3gw.training.settings import load_train_settings
 
 pytestmark = pytest.mark.slow
 
@@ -13,19 +18,25 @@ def test_doctor_looked_before_the_training(finished):
     assert (finished / "results/figures/tiny_masks.png").is_file()
     scene = finished / "results/tiny"
     run = scene / "full/seed0"
-    made = [scene / "checked_source.json", scene / "scene/scene.json", scene / "checked.json"]
-    made += [run / "checked.json", run / "model.safetensors"]
+    made = [scene / "scene/scene.json", scene / "checked.json", run / "model.safetensors"]
     times = [path.stat().st_mtime_ns for path in made]
     assert times == sorted(times)
 
 
-def test_doctor_comes_first(finished):
+def test_the_scenes_gate_comes_before_its_trainings(finished):
     rules = [rule for rule, _ in started((finished / "all.log").read_text())]
-    assert rules[0] == "doctor_source"
-    gates = [rules.index(name) for name in ("doctor_source", "doctor_scene", "doctor_run")]
-    assert gates == sorted(gates)
-    assert rules.index("doctor_source") < rules.index("generate")
-    assert rules.index("doctor_run") < rules.index("train")
+    assert rules.index("import_scene") < rules.index("doctor_scene") < rules.index("train")
+
+
+def test_a_training_asks_for_what_the_doctor_predicts(finished):
+    done = snakemake(
+        finished, "--dry-run", "--forcerun", "train", "--", "results/tiny/full/seed0/run.json"
+    )
+    assert done.returncode == 0, done.stderr
+    (asked,) = re.findall(r"resources: .*mem_mb=(\d+)", done.stdout + done.stderr)
+    size = read_size(finished / "results/tiny/checked.json")
+    settings = load_train_settings(finished / "results/tiny/full/seed0/settings.json")
+    assert int(asked) == round(1.3 * predicted(settings, size).memory_mb)
 
 
 def test_broken_source_of_one_scene_starts_no_other(untouched):
@@ -46,4 +57,6 @@ def test_training_that_does_not_fit_stops_at_the_doctor(finished):
     assert done.returncode != 0
     assert "tiny/no_specular/seed0: a training will need about 70000.4 GB" in done.stderr
     assert "lower 'max_image_px' or 'density.max_gaussians'" in done.stderr
-    assert [rule for rule, _ in started(done.stderr)] == ["write_settings", "doctor_run"]
+    assert [rule for rule, _ in started(done.stderr)] == ["write_settings", "train"]
+    log = (finished / "logs/train/tiny.no_specular.seed0.log").read_text()
+    assert log.splitlines() == [line for line in done.stderr.splitlines() if "will need" in line]

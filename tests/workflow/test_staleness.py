@@ -27,7 +27,7 @@ def test_added_scene_makes_no_other_again(with_twin):
 def test_edited_scene_makes_no_other_again(with_twin):
     entry = TWO["scenes"]["twin"] | {"samples": 2}
     jobs = planned_jobs(with_twin, "all", TWO | {"scenes": TWO["scenes"] | {"twin": entry}})
-    for rule in ("doctor_source", "generate", "import_scene", "doctor_scene", "train"):
+    for rule in ("generate", "import_scene", "doctor_scene", "train"):
         assert scenes_of(rule, jobs) == {"twin"}
     assert {rule for rule, scene in jobs if scene == "tiny"} == set()
 

@@ -1,6 +1,8 @@
 # Every function and constant of the workflow; the other files hold rules only.
 import json
+import os
 import re
+import shlex
 import sys
 from functools import cache
 from pathlib import Path
@@ -8,8 +10,11 @@ from subprocess import CalledProcessError
 
 from r3gw.files import InputError
 from r3gw.reporting.figures.kinds import PICTURES, PLOTS
+from r3gw.reporting.methods import recommended
 from r3gw.pipeline.code import StageCode
 from r3gw.pipeline.config import load_config, run_settings
+from r3gw.pipeline.doctor.training import predicted, read_size
+from r3gw.pipeline.source_state import source_state
 from snakemake.exceptions import WorkflowError
 
 try:
@@ -27,6 +32,7 @@ SYNTHETIC = [
 # Several scenes render side by side, one process each; a single one has all cores to itself.
 GENERATE_THREADS = max(1, (workflow.cores or 1) // max(1, len(SYNTHETIC)))
 VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
+PAGE_VARIANT = recommended(CONFIG.variants)
 
 if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
     # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
@@ -45,11 +51,26 @@ if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
         raise WorkflowError("\n".join(incomplete))
 
 # Rules call the interpreter that runs Snakemake, whether its environment is active or not.
-shell.prefix(f"set -euo pipefail; export PATH={Path(sys.executable).parent}:$PATH; ")
+BIN = str(Path(sys.executable).parent)
+for folder in (workflow.basedir, str(Path.cwd())):
+    # Snakemake's own files beside the results are found by patterns, in which braces are wildcards.
+    if set(folder) & set("{}"):
+        raise WorkflowError(
+            f"{folder}: Snakemake cannot run in a folder with a brace in its path; rename it"
+        )
+if ":" in BIN:
+    raise WorkflowError(
+        f"{BIN}: a folder with a colon in its name cannot be on the PATH; move the environment"
+    )
+# Twice quoted: for the shell, and for Snakemake, which takes braces for a format.
+QUOTED_BIN = shlex.quote(BIN).replace("{", "{{").replace("}", "}}")
+shell.prefix(f"set -euo pipefail; export PATH={QUOTED_BIN}:$PATH; ")
+# By the environment, because no result depends on it: another interval makes nothing again.
+os.environ.setdefault("R3GW_CHECKPOINT_SECONDS", str(CONFIG.checkpoint_seconds))
 
 
 wildcard_constraints:
-    scene="|".join(SCENES),
+    scene="|".join(map(re.escape, SCENES)),
     variant="|".join(map(re.escape, VARIANTS)),
     seed=r"\d+",
 
@@ -72,8 +93,8 @@ def code_of(command):
 
 
 def config_json():
-    """The whole configuration of this run, as JSON."""
-    return CONFIG.model_dump_json()
+    """All of this run's configuration that results depend on, as JSON."""
+    return CONFIG.model_dump_json(exclude={"checkpoint_seconds"})
 
 
 def benchmark_json(wildcards):
@@ -93,11 +114,6 @@ def entries_json(names):
     )
 
 
-def entry_by_name_json(wildcards):
-    """The config entry of one scene under its name, as JSON."""
-    return entries_json([wildcards.scene])
-
-
 def refuse_broken_sources():
     """Stop before the first job, `keep-going` or not, if any scene's source would fail."""
     try:
@@ -111,12 +127,40 @@ def refuse_broken_sources():
         )
 
 
+# Folders of the user's are parameters, not inputs: Snakemake would look for wildcards in their names,
+# and sees the time of a folder, not of what is in it.
+OWN_FOLDERS = [Path(name) for name in ("results", "logs", ".snakemake")]
+
+
+@cache
+def state_of(path):
+    """State of a file or folder of the user's, by names, sizes and times of what is in it."""
+    return source_state(Path(path), OWN_FOLDERS)
+
+
 def scene_source(wildcards):
-    """Folder that a scene is imported from."""
+    """Folder (or video) that a scene is imported from."""
     source = CONFIG.scenes[wildcards.scene].source
     if source.format == "synthetic":
         return f"results/{wildcards.scene}/source"
     return source.path
+
+
+def rendered_source(wildcards):
+    """The source of an embedded scene, which a rule makes; users' own scenes have none."""
+    return [scene_source(wildcards)] if wildcards.scene in SYNTHETIC else []
+
+
+def given_state(wildcards):
+    """State of a user's own source."""
+    return "" if wildcards.scene in SYNTHETIC else state_of(scene_source(wildcards))
+
+
+def mask_state(wildcards):
+    """State of the label maps and of the network that a scene's masks are made with."""
+    masks = CONFIG.scenes[wildcards.scene].masks
+    named = [masks.label_maps, masks.network and masks.network.model]
+    return [state_of(path) for path in named if path]
 
 
 def mask_sources(wildcards):
@@ -149,6 +193,23 @@ def settings_json(wildcards):
     """Resolved settings of one run, as JSON: config/train.yaml with all changes on top."""
     settings = RESOLVED[wildcards.variant, int(wildcards.seed)]
     return settings.model_dump_json(indent=2)
+
+
+def cost_of(wildcards, input):
+    """What the doctor predicts of one training; unknown until its scene is imported."""
+    Path(input.checked).stat()
+    size = read_size(Path(input.checked))
+    return predicted(RESOLVED[wildcards.variant, int(wildcards.seed)], size)
+
+
+def memory_mb(wildcards, input, attempt):
+    """Memory of one training in MB (10^6 bytes), more of it at another attempt."""
+    return round(cost_of(wildcards, input).memory_mb * (1 + MARGIN * attempt))
+
+
+def runtime_min(wildcards, input, attempt):
+    """Minutes after which a cluster may end a training."""
+    return 5 + round(attempt * SLOWEST * cost_of(wildcards, input).seconds / 60)
 
 
 def sky_json(wildcards):
@@ -194,5 +255,8 @@ def scene_figure(kind):
         labels={"figure": kind.replace("_", " ")},
     )
 
+
+# A prediction is right within a factor of 1.3; machines differ in speed by more.
+MARGIN, SLOWEST = 0.3, 4.0
 
 SCENE_FIGURES = [scene_figure(kind) for kind in (*PICTURES, *PLOTS)]

@@ -1,27 +1,11 @@
 # The doctor: what would fail later is said before hours of CPU go into it. Before the first job, all
-# sources are looked at in one go, so that a mistake in one scene starts no other. This is no rule: an
-# edge from one scene to another would make the other stale, and `ancient()` would hide what really is
-# stale (Snakemake 9 does not ask jobs below a job that runs whether they have a reason of their own).
-# The gates of a scene and of a run become stale only together with what they guard, so a new check
-# makes nothing again; they take no code as input for the same reason. The page is a leaf. High
-# priorities let all of them run as early as they can.
+# sources are looked at in one go, so that a mistake in one scene starts no other. The gate of a scene
+# stands before its trainings; it takes no code as input, so that a new check makes nothing again. The
+# page is a leaf. High priorities let both run as early as they can.
 
 
 onstart:
     refuse_broken_sources()
-
-
-rule doctor_source:
-    output:
-        "results/{scene}/checked_source.json",
-    log:
-        "logs/doctor_source/{scene}.log",
-    priority: 100
-    params:
-        entries=entry_by_name_json,
-    shell:
-        "python -m r3gw doctor-sources --entries {params.entries:q}"
-        " --target {output} 2>&1 | tee {log} >&2"
 
 
 rule doctor_scene:
@@ -39,25 +23,8 @@ rule doctor_scene:
         " --target {output} 2>&1 | tee {log} >&2"
 
 
-rule doctor_run:
-    input:
-        checked="results/{scene}/checked.json",
-        settings="results/{scene}/{variant}/seed{seed}/settings.json",
-    output:
-        "results/{scene}/{variant}/seed{seed}/checked.json",
-    log:
-        "logs/doctor_run/{scene}.{variant}.seed{seed}.log",
-    priority: 100
-    shell:
-        "python -m r3gw doctor-run"
-        " --name {wildcards.scene}/{wildcards.variant}/seed{wildcards.seed}"
-        " --checked {input.checked} --settings {input.settings}"
-        " --target {output} 2>&1 | tee {log} >&2"
-
-
 rule doctor:
     input:
-        settings=[TRAIN_FILE, VARIANTS_FILE],
         scenes=collect(
             "results/{scene}/{file}",
             scene=SCENES,
@@ -73,9 +40,10 @@ rule doctor:
         code=code_of("doctor"),
         config=config_json(),
         defaults=DEFAULTS,
+        settings=[state_of(TRAIN_FILE), state_of(VARIANTS_FILE)],
     shell:
         "printf '%s\n' {params.config:q} > {output.config};"
-        " python -m r3gw doctor --config {output.config} --defaults {params.defaults}"
+        " python -m r3gw doctor --config {output.config} --defaults {params.defaults:q}"
         " --results results --target results/doctor 2>&1 >{log} | tee -a {log} >&2"
 
 

@@ -7,6 +7,7 @@ rule evaluate:
         masks="results/{scene}/masks/masks.json",
         model="results/{scene}/{variant}/seed{seed}/model.safetensors",
         record="results/{scene}/{variant}/seed{seed}/run.json",
+        timing="results/{scene}/{variant}/seed{seed}/timing.json",
     output:
         metrics="results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
         lights="results/{scene}/{variant}/seed{seed}/metrics/lights.json",

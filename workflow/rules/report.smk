@@ -3,7 +3,6 @@
 
 rule table1:
     input:
-        published=PUBLISHED,
         metrics=collect(
             "results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
             scene=SCENES,
@@ -30,8 +29,10 @@ rule table1:
         "logs/table1.log",
     params:
         code=code_of("tables"),
+        published=PUBLISHED,
+        figures=state_of(PUBLISHED),
     shell:
-        "python -m r3gw tables --kind table1 --published {input.published}"
+        "python -m r3gw tables --kind table1 --published {params.published:q}"
         " --target results {input.metrics} > {log} 2>&1"
 
 
@@ -104,8 +105,24 @@ rule figures:
         " {params.runs} > {log} 2>&1"
 
 
+rule page:
+    input:
+        scene="results/{scene}/scene/scene.json",
+        model=f"results/{{scene}}/{PAGE_VARIANT}/seed{CONFIG.seeds[0]}/model.safetensors",
+    output:
+        ensure("results/pages/{scene}.html", non_empty=True),
+    log:
+        "logs/pages/{scene}.log",
+    params:
+        code=code_of("page"),
+    shell:
+        "python -m r3gw page {input.model} --scene results/{wildcards.scene}/scene"
+        " --target {output} > {log} 2>&1"
+
+
 rule html_report:
     input:
+        pages=collect("results/pages/{scene}.html", scene=SCENES),
         tables=["results/table1.csv", "results/decomposition.csv", "results/cost.csv"],
         initial=collect("results/{scene}/initial.npz", scene=SCENES),
         masks=collect("results/{scene}/masks/masks.json", scene=SCENES),
@@ -126,4 +143,4 @@ rule html_report:
         seed=CONFIG.seeds[0],
     shell:
         "python -m r3gw report --results results {params.scenes} {params.variants}"
-        " --seed {params.seed} --target {output} > {log} 2>&1"
+        " --seed {params.seed} --pages pages --target {output} > {log} 2>&1"

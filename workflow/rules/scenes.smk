@@ -2,8 +2,6 @@
 
 
 rule generate:
-    input:
-        checked="results/{scene}/checked_source.json",
     output:
         directory("results/{scene}/source"),
     log:
@@ -22,8 +20,7 @@ rule generate:
 
 rule import_scene:
     input:
-        source=scene_source,
-        checked="results/{scene}/checked_source.json",
+        rendered_source,
     output:
         "results/{scene}/scene/scene.json",
         "results/{scene}/scene/points.npz",
@@ -34,9 +31,11 @@ rule import_scene:
     params:
         code=code_of("import"),
         entry=source_json,
+        source=scene_source,
+        given=given_state,
     shell:
         "python -m r3gw import --scene {wildcards.scene} --entry {params.entry:q}"
-        " --source {input.source} --target results/{wildcards.scene}/scene"
+        " --source {params.source:q} --target results/{wildcards.scene}/scene"
         " --threads {threads} > {log} 2>&1"
 
 
@@ -51,6 +50,7 @@ rule masks:
     params:
         code=code_of("masks"),
         sources=mask_sources,
+        given=mask_state,
     shell:
         "python -m r3gw masks --scene results/{wildcards.scene}/scene"
         " --sources {params.sources:q} --target results/{wildcards.scene}/masks > {log} 2>&1"

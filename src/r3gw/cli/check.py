@@ -48,8 +48,7 @@ def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
 
 @cli.command("doctor-sources")
 @click.option("--entries", required=True, help="Config entries by scene name, as JSON.")
-@click.option("--target", type=FILE, help="JSON file to write if all is well.")
-def doctor_sources(entries: str, target: Path | None) -> None:
+def doctor_sources(entries: str) -> None:
     """Refuse scenes whose source would fail to import; looks at names and lists only."""
     from r3gw.pipeline.doctor.source import examine_source
     from r3gw.pipeline.scene_entry import parse_entry
@@ -59,8 +58,6 @@ def doctor_sources(entries: str, target: Path | None) -> None:
         for name, entry in json_object(entries, "--entries").items()
     ]
     _stop_at([problem for findings in found for problem in findings.problems])
-    if target is not None:
-        write_json(target, {findings.title: findings.as_json() for findings in found})
 
 
 @cli.command("doctor-scene")
@@ -83,8 +80,7 @@ def doctor_scene(scene: str, results: Path, target: Path) -> None:
 @click.option("--name", required=True, help="The run as messages call it: scene/variant/seed.")
 @click.option("--checked", type=FILE, required=True, help="What doctor-scene wrote of its scene.")
 @click.option("--settings", type=FILE, required=True, help="Resolved settings (JSON).")
-@click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
-def doctor_run(name: str, checked: Path, settings: Path, target: Path) -> None:
+def doctor_run(name: str, checked: Path, settings: Path) -> None:
     """Refuse a training that this machine cannot hold in memory."""
     from r3gw.pipeline.doctor.findings import Findings
     from r3gw.pipeline.doctor.training import describe_training, read_size
@@ -93,7 +89,6 @@ def doctor_run(name: str, checked: Path, settings: Path, target: Path) -> None:
     findings = Findings(name)
     describe_training(read_size(checked), [load_train_settings(settings)], findings)
     _stop_at(findings.problems)
-    write_json(target, findings.as_json())
 
 
 def _stop_at(problems: Sequence[str]) -> None:

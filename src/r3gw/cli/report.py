@@ -58,17 +58,30 @@ def figures(name: str, scene: Path, masks: Path, target: Path, runs: tuple[Path,
     "--variant", "variants", multiple=True, required=True, help="Variants, the main one first."
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the runs shown.")
+@click.option(
+    "--pages", help="Folder of <scene>.html (`r3gw page`), from the report's own; they are linked."
+)
 @click.option("--target", type=FILE, required=True, help="The page (.html).")
 def report(
-    results: Path, scenes: tuple[str, ...], variants: tuple[str, ...], seed: int, target: Path
+    results: Path,
+    scenes: tuple[str, ...],
+    variants: tuple[str, ...],
+    seed: int,
+    pages: str | None,
+    target: Path,
 ) -> None:
-    """Write one self-contained HTML page: tables, test views, and every scene in detail."""
+    """Write one HTML page: tables, test views, and every scene in detail.
+
+    It needs no other file, but for the links to the pages that relight the scenes.
+    """
     from r3gw.reporting.page.scene_page import SceneFolders
     from r3gw.reporting.page.stage import write_report
 
     folders = [
         SceneFolders(
-            results / name, tuple(results / name / variant / f"seed{seed}" for variant in variants)
+            results / name,
+            tuple(results / name / variant / f"seed{seed}" for variant in variants),
+            None if pages is None else f"{pages}/{name}.html",
         )
         for name in scenes
     ]

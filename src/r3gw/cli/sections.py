@@ -1,7 +1,7 @@
 """Commands with many options: help in sections, and option types of a film."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -9,8 +9,14 @@ from r3gw.cli.group import FILE
 from r3gw.files import InputError
 from r3gw.relight.sweep import Sweep
 
+if TYPE_CHECKING:  # generic since click 8.4
+    SweepBase = click.ParamType[Sweep]
+    ExposureBase = click.ParamType[float | str]
+else:
+    SweepBase = ExposureBase = click.ParamType
 
-class SweepType(click.ParamType[Sweep]):
+
+class SweepType(SweepBase):
     """A number, or FROM:TO over the film."""
 
     name = "sweep"
@@ -27,7 +33,7 @@ class SweepType(click.ParamType[Sweep]):
             self.fail(str(error), param, ctx)
 
 
-class ExposureType(click.ParamType[float | str]):
+class ExposureType(ExposureBase):
     """A factor above 0, or ``auto``."""
 
     name = "exposure"

@@ -143,7 +143,7 @@ def export(
     target: Path,
     view: str | None,
     coordinates: Literal["scene", "source"],
-    tone: str,
+    tone: Literal["standard", "reinhard", "filmic"],
     **light: Any,
 ) -> None:
     """Write a trained scene for viewers of Gaussian splats, under one light.
@@ -155,9 +155,12 @@ def export(
     lights.json       the learned lights as spherical harmonics
     """
     from r3gw.relight.export import export as run
+    from r3gw.relight.lights import still_light
+    from r3gw.relight.trained import load
 
-    chosen = _light(**light)
-    run(model, scene, target, chosen, view=view, tone=tone, coordinates=coordinates)
+    options, trained = _light(**light), load(model, scene)
+    baked_under = still_light(trained.gaussians, options)
+    run(trained, target, baked_under, view=view, tone=tone, coordinates=coordinates)
 
 
 def _light(

@@ -47,20 +47,22 @@ def evaluation_mask(
 def score(
     picture: Float[np.ndarray, "h w 3"],
     photo: Float[np.ndarray, "h w 3"],
-    is_scored: Bool[np.ndarray, "h w"],
-    name: str,
+    is_scored: Bool[np.ndarray, "h w"] | None = None,
+    name: str = "picture",
 ) -> Scores:
     """Compare a picture with its photo, both display values in [0, 1].
 
     Args:
         picture: The rendering.
-        photo: What it should look like.
-        is_scored: Which pixels count.
+        photo: What it should look like, of the same size.
+        is_scored: Which pixels count; None counts all.
         name: The view, for the error message.
 
     Raises:
         InputError: If no pixel counts.
     """
+    if is_scored is None:
+        is_scored = np.ones(photo.shape[:2], np.bool_)
     _refuse_empty(is_scored, name)
     picture, photo = picture.astype(np.float64), photo.astype(np.float64)
     difference = (picture - photo)[is_scored]

@@ -1,9 +1,10 @@
 """The evaluation stage: a trained model in, figures per image, lights and pictures out.
 
-metrics.json holds ``run`` (run.json of the training, as it is), ``images`` (one record per view
-and protocol) and ``decomposition`` (one record per view and kind of comparison). Every image
-record also stands alone in images/<protocol>/<view>.json, with the run that it belongs to.
-cost.json holds what was measured with a clock; all other files are the same for the same model.
+metrics.json holds ``run`` (run.json of the training, as it is), ``images`` (one record per view and
+protocol) and ``decomposition`` (one record per view and kind of comparison). Every image record
+also stands alone in images/<protocol>/<view>.json, with the run that it belongs to. cost.json holds
+all seconds and memory, those of the training's timing.json too; all other files are the same for
+the same model.
 """
 
 import shutil
@@ -33,6 +34,8 @@ from r3gw.scene import View, load_scene
 from r3gw.scene.selection import evenly
 
 NUM_LEARNED_PICTURES = 4
+# Figures of the training's timing.json, and their names in cost.json.
+MEASURED = {"training_seconds": "training_seconds", "peak_rss_mb": "training_peak_rss_mb"}
 VISIBLE_ALPHA = 0.5
 
 
@@ -44,7 +47,7 @@ def evaluate_run(
     Args:
         scene_folder: Imported scene.
         masks_folder: Its masks.
-        model_path: model.safetensors, with the training's run.json beside it.
+        model_path: model.safetensors, with the training's run.json and timing.json beside it.
         target: Folder for metrics.json, lights.json, cost.json, images/<protocol>/<view>.json,
             renders/ and relit/ (`write_gallery`). renders/ holds, of all test views and of four
             training views, ``<kind>/<view>.png`` where a kind is a protocol or one of albedo,
@@ -55,26 +58,28 @@ def evaluate_run(
         InputError: If an input is missing or malformed, or a mask leaves no pixel.
     """
     torch.set_num_threads(num_threads)
-    run = _read_run(model_path.with_name("run.json"))
+    run = _read(model_path.with_name("run.json"))
+    timing = _read(model_path.with_name("timing.json"))
+    spent = {name: timing.get(key) for key, name in MEASURED.items()}
     scene = load_scene(scene_folder)
     evaluated = EvaluatedScene(load_model(model_path), scene, scene_folder, masks_folder)
     (target / "metrics.json").unlink(missing_ok=True)
     for name in ("renders", "images", "relit"):
         shutil.rmtree(target / name, ignore_errors=True)
     images = _protocol_records(evaluated, target / "renders", str(run["scene"]))
-    for record in images:
-        path = target / "images" / record["protocol"] / f"{record['view']}.json"
-        write_json(path, {**record, "run": run})
+    for image in images:
+        path = target / "images" / image["protocol"] / f"{image['view']}.json"
+        write_json(path, {**image, "run": run})
     write_gallery(evaluated, target / "relit")
     write_lights(learned_lights(evaluated.model), "scene", target)
-    write_json(target / "cost.json", measured_cost(evaluated, num_threads))
+    write_json(target / "cost.json", spent | measured_cost(evaluated, num_threads))
     decomposition = surface_records(evaluated) + light_records(evaluated) + sky_records(evaluated)
     write_json(
         target / "metrics.json", {"run": run, "images": images, "decomposition": decomposition}
     )
 
 
-def _read_run(path: Path) -> dict[str, Any]:
+def _read(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise InputError(f"{path}: no such file; train the scene again")
     return read_json(path)

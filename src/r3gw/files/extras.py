@@ -14,7 +14,6 @@ EXTRAS = {
     "pandas": "pipeline",
     "pycolmap": "pipeline",
     "pygments": "pipeline",
-    "skimage": "pipeline",
     "snakemake": "pipeline",
     "tabulate": "pipeline",
 }

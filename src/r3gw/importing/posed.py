@@ -22,6 +22,7 @@ _QUATERNION_TOLERANCE = 1e-2
 # Focal lengths in units of the photo's longer side: half a globe to the longest telescopes.
 _FOCAL_RANGE = (0.02, 1000.0)
 _LARGEST_SIDE_PX = 100_000
+MOST_UNITS = 1e12  # that anything may lie from the origin; the globe measures 6e6 metres
 _REMEDY = "correct it or remove the photo"
 
 
@@ -94,6 +95,9 @@ def camera_of(cam_from_world: NDArray[np.float64], lens: Lens, source: str) -> C
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{source}: the camera cannot be undistorted ({reason})") from None
+    if not np.abs(cam_from_world[:3, 3]).max() <= MOST_UNITS:
+        away = float(np.abs(cam_from_world[:3, 3]).max())
+        raise InputError(f"{source}: the camera is {away:g} units away; {_REMEDY}")
     values = np.append(cam_from_world.ravel(), intrinsics)
     if not np.isfinite(values).all() or min(*intrinsics[:2], width, height) <= 0:
         raise InputError(

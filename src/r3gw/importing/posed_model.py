@@ -9,6 +9,7 @@ import numpy as np
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
 from r3gw.importing.lens import Lens
+from r3gw.importing.posed import MOST_UNITS
 from r3gw.importing.source import SourcePoints
 
 
@@ -34,7 +35,7 @@ class PosedModel:
         """
         if not self.cameras:
             raise InputError(f"{source}: the model has no images with a pose; run SfM again")
-        if not np.isfinite(self.points.xyz).all():
+        if not (np.abs(self.points.xyz) <= MOST_UNITS).all():
             raise InputError(f"{source}: the model has points at NaN or infinity; run SfM again")
 
     def require_pinhole(self, source: Path) -> None:

@@ -50,8 +50,9 @@ def _shifts_px(
     """How far points before the camera move in the photo if all is computed in float32."""
     pose = similarity.camera(view.camera.cam_from_world).numpy()
     exact = xyz @ pose[:3, :3].T + pose[:3, 3]
-    single = pose.astype(np.float32)
-    rounded = xyz.astype(np.float32) @ single[:3, :3].T + single[:3, 3]
+    with np.errstate(over="ignore"):
+        single = pose.astype(np.float32)
+        rounded = xyz.astype(np.float32) @ single[:3, :3].T + single[:3, 3]
     fx, fy, cx, cy = view.camera.intrinsics
     size = np.array([view.camera.width, view.camera.height])
     with np.errstate(all="ignore"):

@@ -2,7 +2,6 @@
 
 from math import isqrt, pi
 
-import torch
 from jaxtyping import Float
 from torch import Tensor
 
@@ -23,6 +22,6 @@ def irradiance(
         normals: Unit vectors.
     """
     count = min(light.shape[0], 9)
-    factors = torch.tensor([COSINE_BANDS[isqrt(i)] for i in range(count)], dtype=light.dtype)
+    factors = light.new_tensor([COSINE_BANDS[isqrt(i)] for i in range(count)])
     values = sh.radiance(light[:count] * factors[:, None], normals)
     return values.clamp_min(DARKEST_IRRADIANCE)

@@ -1,6 +1,6 @@
 """Where one photo's masks come from: the first source of a chain that has one (docs/data.md)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from r3gw.masks.labels import read_label_masks
 from r3gw.masks.network import SegmentationNetwork
 from r3gw.masks.settings import MaskSources, chain
 from r3gw.scene import View
+from r3gw.scene.names import ByPhoto, stem_of
 
 Mask = NDArray[np.bool_]
 _ADVICE = {
@@ -25,7 +26,7 @@ _ADVICE = {
 class MaskReader:
     """Masks of the views of one scene, made or read one photo at a time."""
 
-    def __init__(self, scene_folder: Path, sources: MaskSources) -> None:
+    def __init__(self, scene_folder: Path, views: Sequence[View], sources: MaskSources) -> None:
         """Look for label maps and read the network, if the chains name them.
 
         Raises:
@@ -33,7 +34,7 @@ class MaskReader:
         """
         self._folder = scene_folder
         self._sources = sources
-        self._labels = _label_maps(scene_folder, sources.label_maps)
+        self._labels = _label_maps(scene_folder, views, sources.label_maps)
         named = {*chain(sources.sky_masks), *chain(sources.valid_masks)}
         self._network = None
         if "network" in named and sources.network is not None:
@@ -87,7 +88,7 @@ class MaskReader:
         return read_mask(path, view.width, view.height) if path.is_file() else None
 
     def _of_labels(self, view: View, which: int) -> Mask | None:
-        path = self._labels.get(view.name.lower())
+        path = self._labels.get(view.name)
         if path is None:
             return None
         classes = self._sources.label_classes
@@ -113,16 +114,32 @@ def _first(
     )
 
 
-def _label_maps(scene_folder: Path, folder: str | None) -> dict[str, Path]:
-    """Label maps by stem in lower case; those that the entry names come before imported ones."""
-    folders = [scene_folder / "given" / "labels"]
-    if folder is not None:
-        if not Path(folder).is_dir():
-            raise InputError(f"{folder}: no such folder; correct 'label_maps'")
-        folders.append(Path(folder))
-    found = {}
-    for place in folders:
-        for path in sorted(place.glob("*")):
-            if path.suffix.lower() in LDR_SUFFIXES:
-                found[path.stem.lower()] = path
+def _label_maps(scene_folder: Path, views: Sequence[View], folder: str | None) -> dict[str, Path]:
+    """Label maps by the view's name; those that the entry names come before imported ones.
+
+    A map in the entry's folder belongs to a view by the path of its photo (r3gw.scene.names), or
+    by the view's own name.
+
+    Raises:
+        InputError: If there is no such folder, or a map fits several photos.
+    """
+    imported = scene_folder / "given" / "labels"
+    found = {view.name: imported / f"{view.name}.png" for view in views}
+    found = {name: path for name, path in found.items() if path.is_file()}
+    if folder is None:
+        return found
+    place = Path(folder)
+    if not place.is_dir():
+        raise InputError(f"{folder}: no such folder; correct 'label_maps'")
+    maps = {
+        path.relative_to(place).as_posix(): path
+        for path in sorted(place.rglob("*"))
+        if path.suffix.lower() in LDR_SUFFIXES and not path.name.startswith(".")
+    }
+    names = {stem_of(path).lower(): file for path, file in maps.items()}
+    by_path = ByPhoto(maps, [view.path or view.name for view in views], folder)
+    for view in views:
+        file = by_path.get(view.path or view.name) or names.get(view.name.lower())
+        if file is not None:
+            found[view.name] = file
     return found

@@ -37,7 +37,7 @@ def make_masks(scene_folder: Path, target: Path, sources: MaskSources) -> None:
     (target / "masks.json").unlink(missing_ok=True)
     for kind in KINDS:
         shutil.rmtree(target / kind, ignore_errors=True)
-    reader = MaskReader(scene_folder, sources)
+    reader = MaskReader(scene_folder, scene.views, sources)
     sky: dict[str, MaskFacts] = {}
     valid: dict[str, MaskFacts] = {}
     warnings: list[str] = []

@@ -8,11 +8,11 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.lighting import sh
 from r3gw.model.description import ModelDescription
 from r3gw.model.light_models.base import LightModel, OpenSky
 from r3gw.model.sky import SKY_DEGREE
+from r3gw.native import kernels, ops
 
 # Factor on the last layers' first weights: all photos start with nearly the same, uniform light.
 FIRST_VARIATION = 0.1
@@ -97,18 +97,20 @@ class Appearance(nn.Module):
 
     def forward(self, photo: int) -> PhotoLight:
         """What lights one training photo, without noise."""
-        layers, factors = self._linear_layers, None
-        if self.training and self.dropout.p > 0:
-            factors = self.dropout(torch.ones_like(layers[0].bias))
         row = self.rows[photo]
-        learned: Tensor
-        learned, sky_light = torch.ops.r3gw.appearance(
-            self.embedding,
-            row,
-            factors,
-            [layer.weight for layer in layers],
-            [layer.bias for layer in layers],
-        )
+        learned, sky_light = self._coefficients(row)
         exposure = None if self.log_exposure is None else self.log_exposure[photo].exp()
         light, open_sky = self.light_model.environment(photo, row, learned, exposure)
         return PhotoLight(light, sky_light, open_sky)
+
+    def _coefficients(self, row: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
+        """What the MLP gives for an embedding, by a kernel or plainly: the light, and the sky's."""
+        layers, factors = self._linear_layers, None
+        if not kernels.take("appearance", self.embedding):
+            features = self.trunk(self.embedding[row])
+            light, sky_light = self.light_head(features), self.sky_head(features)
+            return light.view(-1, 3), sky_light.view(-1, 3)
+        if self.training and self.dropout.p > 0:
+            factors = self.dropout(torch.ones_like(layers[0].bias))
+        weights, biases = [layer.weight for layer in layers], [layer.bias for layer in layers]
+        return ops.appearance(self.embedding, row, factors, weights, biases)

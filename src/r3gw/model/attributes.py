@@ -13,6 +13,7 @@ from jaxtyping import Float
 from scipy.spatial import cKDTree
 from torch import Tensor
 
+from r3gw.model.rows import Rows
 from r3gw.model.settings import InitSettings
 
 Values = Float[Tensor, "n ..."]
@@ -43,6 +44,11 @@ class Attribute:
     rate: str
     activate: Callable[[Values], Values] = unchanged
     columns: tuple[str, ...] = ()
+    material: str | None = None
+
+    def of(self, rows: Rows) -> Values:
+        """What is drawn of it."""
+        return self.activate(rows[self.name])
 
 
 def _logits(name: str, shape: tuple[int, ...]) -> FirstRows:
@@ -85,15 +91,28 @@ OPACITY = Attribute(
     "opacity_logits", (), _logits("opacity", ()), "opacity", torch.sigmoid, ("opacity",)
 )
 ALBEDO = Attribute(
-    "albedo_logits", (3,), _logits("albedo", (3,)), "albedo", torch.sigmoid, _columns("albedo", 3)
+    "albedo_logits",
+    (3,),
+    _logits("albedo", (3,)),
+    "albedo",
+    torch.sigmoid,
+    _columns("albedo", 3),
+    "albedo",
 )
 ROUGHNESS = Attribute(
-    "roughness_logits", (), _logits("roughness", ()), "roughness", torch.sigmoid, ("roughness",)
+    "roughness_logits",
+    (),
+    _logits("roughness", ()),
+    "roughness",
+    torch.sigmoid,
+    ("roughness",),
+    "roughness",
 )
 
 # In the order in which r3gw.rendering.splats hands them to its kernel.
 FOREGROUND = (MEANS, LOG_SCALES, QUATERNIONS, OPACITY, ALBEDO, ROUGHNESS)
 SKY = (ANGLES, LOG_SCALES, QUATERNIONS, OPACITY)
+MATERIALS = {a.material: a for a in FOREGROUND if a.material is not None}
 
 
 def first_rows(
@@ -101,3 +120,8 @@ def first_rows(
 ) -> dict[str, Values]:
     """First rows of all attributes that follow from the Gaussians' positions."""
     return {a.name: a.first(xyz, init) for a in attributes if a.first is not None}
+
+
+def materials_of(foreground: Rows) -> dict[str, Values]:
+    """What surfaces are made of, activated, by name."""
+    return {name: attribute.of(foreground) for name, attribute in MATERIALS.items()}

@@ -2,7 +2,7 @@
 
 It describes itself: the settings of the training ride along as a record that reading does not look
 at, so new settings never make an old model unreadable. Models of the file's version 3
-(``model.safetensors``) are read too.
+(``model.pt``) are read too.
 """
 
 from collections.abc import Iterable, Mapping

@@ -57,7 +57,7 @@ def update_occlusion(
     means, reach = rows["means"].detach(), settings.reach
     axes = shortest_axes(rows["quaternions"], rows["log_scales"]).detach()
     normals = outer_normals(grid, means, axes, camera_centres, settings.offset, reach)
-    directions = upper_directions(settings.directions)
+    directions = upper_directions(settings.directions).to(means)
     starts = means + settings.offset * grid.voxel * normals
     visible = visibility(grid, starts, directions, reach)
     degree = int(sqrt(rows[OCCLUSION].shape[1])) - 1
@@ -83,14 +83,14 @@ def opacity_grid(rows: Rows, voxels: int) -> OpacityGrid:
     points drawn from it; divided by a voxel's face it becomes depth per voxel edge.
     """
     means = rows["means"].detach()
-    low, high = torch.quantile(means, torch.tensor(BOX_QUANTILES), dim=0)
+    low, high = torch.quantile(means, means.new_tensor(BOX_QUANTILES), dim=0)
     voxel = float((high - low).max().clamp_min(1e-6)) / voxels
     corner = low - BOX_MARGIN * voxel
     size = ((high - low) / voxel).ceil().long() + 2 * BOX_MARGIN
     scales = rows["log_scales"].detach().exp()
     rotations = rotation_from_quaternion(rows["quaternions"].detach())
     normal = torch.randn(SAMPLES, 3, generator=torch.Generator().manual_seed(0))
-    local = normal * scales[:, None]
+    local = normal.to(means) * scales[:, None]
     points = means[:, None] + local @ rotations.transpose(1, 2)
     widest = scales.sort(dim=-1, descending=True).values
     face = 2 * pi * widest[:, 0] * widest[:, 1]
@@ -99,7 +99,7 @@ def opacity_grid(rows: Rows, voxels: int) -> OpacityGrid:
     cell = ((points - corner) / voxel).floor().long()
     is_inside = ((cell >= 0) & (cell < size)).all(-1)
     flat = (cell[..., 0] * size[1] + cell[..., 1]) * size[2] + cell[..., 2]
-    depth = torch.zeros(int(size.prod()))
+    depth = means.new_zeros(int(size.prod()))
     depth.index_add_(0, flat[is_inside], share[:, None].expand_as(flat)[is_inside])
     return OpacityGrid(corner, voxel, depth.reshape(*size.tolist()))
 
@@ -114,13 +114,13 @@ def visibility(
     """
     edge = reach + 1
     padded = torch.nn.functional.pad(grid.depth, (edge,) * 6)
-    size = torch.tensor(padded.shape)
+    size = torch.tensor(padded.shape, device=padded.device)
     cell = ((starts - grid.corner) / grid.voxel).floor().long() + edge
     is_inside = ((cell >= edge) & (cell < size - edge)).all(-1)
     cell = torch.where(is_inside[:, None], cell, edge)
     stride = torch.stack([size[1] * size[2], size[2], torch.ones_like(size[0])])
     first = (cell @ stride).int()
-    steps = torch.arange(1, edge)[:, None]
+    steps = torch.arange(1, edge, device=starts.device)[:, None]
     flat = padded.reshape(-1)
     columns = []
     for direction in directions:
@@ -142,7 +142,7 @@ def outer_normals(
 
     A camera counts by the cosine of its view times what reaches it through the grid.
     """
-    score = torch.zeros(len(means))
+    score = means.new_zeros(len(means))
     for centre in camera_centres:
         towards = torch.nn.functional.normalize(centre.to(means) - means, dim=-1)
         cosine = (axes * towards).sum(-1)
@@ -155,9 +155,9 @@ def _transmitted(
     grid: OpacityGrid, starts: Float[Tensor, "n 3"], directions: Float[Tensor, "n 3"], reach: int
 ) -> Float[Tensor, "n"]:
     """Transmittance along one ray per start."""
-    size = torch.tensor(grid.depth.shape)
+    size = torch.tensor(grid.depth.shape, device=grid.depth.device)
     first = (starts - grid.corner) / grid.voxel
-    total = torch.zeros(len(starts))
+    total = starts.new_zeros(len(starts))
     for step in range(reach):
         cell = (first + step * directions).floor().long()
         is_inside = ((cell >= 0) & (cell < size)).all(-1)
@@ -198,8 +198,9 @@ def smoothed(
     darker than what covers them.
     """
     count = min(neighbours, len(means))
-    points = means.double().numpy()
-    index = torch.from_numpy(cKDTree(points).query(points, k=list(range(1, count + 1)))[1])
+    points = means.double().cpu().numpy()
+    nearest = cKDTree(points).query(points, k=list(range(1, count + 1)))[1]
+    index = torch.from_numpy(nearest).to(means.device)
     likeness = (normals[index] * normals[:, None]).sum(-1).clamp_min(0).square()
     weight = opacities[index] * likeness + 1e-6
     return (values[index] * weight[..., None]).sum(1) / weight.sum(1, keepdim=True)

@@ -88,7 +88,8 @@ class Sky(nn.Module):
         """Put angles and radius back into their ranges; called after every optimizer step."""
         self.radius.clamp_(min=SMALLEST_RADIUS)
         first, last = self.azimuth_rad.tolist()
-        self.rows["angles"].clamp_(torch.tensor((0.0, first)), torch.tensor((pi / 2, last)))
+        angles = self.rows["angles"]
+        angles.clamp_(angles.new_tensor((0.0, first)), angles.new_tensor((pi / 2, last)))
 
     @torch.no_grad()
     def angles_of(self, positions: Float[Tensor, "n 3"]) -> Float[Tensor, "n 2"]:

@@ -1,1 +1,1 @@
-"""The compiled extension ``r3gw._C``: what its kernels share (csrc), and its build."""
+"""The compiled extension ``r3gw._C``: typed operators, when they act, what kernels share."""

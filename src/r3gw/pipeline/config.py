@@ -9,7 +9,7 @@ from pydantic import Field
 from r3gw.files import InputError
 from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.pipeline.scene_entry import SceneEntry
-from r3gw.pipeline.study import StudySettings
+from r3gw.pipeline.study import StudySettings, VariantName
 from r3gw.training.settings import TrainSettings
 
 SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
@@ -18,7 +18,7 @@ SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 class AblationSettings(Strict):
     """What ``snakemake ablations`` covers."""
 
-    variants: list[str] = Field(min_length=1)
+    variants: list[VariantName] = Field(min_length=1)
     seeds: list[int] = Field(min_length=1)
 
 
@@ -26,15 +26,17 @@ class Config(Strict):
     """The whole of config.yaml.
 
     ``train`` holds changes to config/train.yaml that every variant of this run shares; ``study``
-    is for ``snakemake study`` alone.
+    is for ``snakemake study`` alone. No result depends on ``checkpoint_seconds``, which says how
+    often a training saves its state.
     """
 
     scenes: dict[SceneName, SceneEntry] = Field(min_length=1)
-    variants: list[str] = Field(min_length=1)
+    variants: list[VariantName] = Field(min_length=1)
     seeds: list[int] = Field(min_length=1)
     ablations: AblationSettings
     train: dict[str, Any] = Field(default_factory=dict)
     study: StudySettings | None = None
+    checkpoint_seconds: float = Field(default=300.0, gt=0)
 
     @property
     def all_variants(self) -> list[str]:

@@ -6,8 +6,8 @@ from pydantic import Field
 
 from r3gw.files.strict import Strict
 
-# It names a folder of results.
-ChangeName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9._-]*$")]
+# It names a folder of results, and stands in commands.
+VariantName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9._-]*$")]
 
 
 class StudySettings(Strict):
@@ -20,9 +20,9 @@ class StudySettings(Strict):
             configuration, as if it stood in variants.yaml.
     """
 
-    baseline: str
+    baseline: VariantName
     seeds: list[int] = Field(min_length=1)
-    changes: dict[ChangeName, Annotated[dict[str, Any], Field(min_length=1)]] = Field(min_length=1)
+    changes: dict[VariantName, Annotated[dict[str, Any], Field(min_length=1)]] = Field(min_length=1)
 
     @property
     def variants(self) -> list[str]:

@@ -1,13 +1,11 @@
-"""The documented entry to the C++ rasterizer."""
+"""The documented entry to the rasterizer."""
 
 from collections.abc import Sequence
 
-import torch
 from jaxtyping import Float
 from torch import Tensor
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
-from r3gw.raster import validation
+from r3gw.raster.backends import backend_named
 from r3gw.raster.result import RasterResult
 
 
@@ -24,6 +22,7 @@ def rasterize(
     background: Float[Tensor, " channels"] | None = None,
     *,
     num_feature_gradients: int | None = None,
+    backend: str | None = None,
 ) -> RasterResult:
     """Composite Gaussians front to back into an image of feature channels.
 
@@ -48,19 +47,19 @@ def rasterize(
         background: What shows through, zeros if None.
         num_feature_gradients: Only the first so many channels send a gradient to `features` (the
             others get zeros); every channel sends one to geometry and opacity. None: all.
+        backend: ``cpp`` (float32 on the CPU), ``torch`` (the plain reference, for small scenes), or
+            what `r3gw.raster.backends.register_backend` has added. None: ``cpp`` for tensors on the
+            CPU; elsewhere what is registered for the device, or ``torch``.
 
     Raises:
-        ValueError: For a wrong shape or dtype, and for parameters that are NaN, infinite or out of
-            range; the message names the tensor and the number of values.
+        ValueError: For a wrong shape, dtype or device, for parameters that are NaN, infinite or out
+            of range (the message names the tensor and the number of values), and for a backend that
+            does not exist.
     """
     channels = features.shape[-1]
-    intrinsics = [float(value) for value in intrinsics]
-    parameters = means, quaternions, scales, opacities, features, background
-    view = cam_from_world, intrinsics, width, height
-    if not torch.ops.r3gw.is_usable(*parameters, *view):
-        validation.check(*parameters, *view)
     columns = channels if num_feature_gradients is None else num_feature_gradients
     if not 0 <= columns <= channels:
         raise ValueError(f"num_feature_gradients must be in 0..{channels}, got {columns}")
-    planes, alpha, radii_px, means2d = torch.ops.r3gw.rasterize(*parameters, *view, columns)
-    return RasterResult(planes=planes, alpha=alpha, radii_px=radii_px, means2d=means2d)
+    chosen = backend_named(backend, means.device)
+    view = cam_from_world, [float(value) for value in intrinsics], width, height
+    return chosen(means, quaternions, scales, opacities, features, *view, background, columns)

@@ -86,7 +86,7 @@ def _projected_covariance(
     ).reshape(-1, 2, 3)
     axes = _rotations(quaternions) * scales[:, None, :]
     projected = jacobian @ cam_from_world[:3, :3] @ axes
-    low_pass = LOW_PASS_PX2 * torch.eye(2, dtype=projected.dtype)
+    low_pass = LOW_PASS_PX2 * torch.eye(2, dtype=projected.dtype, device=projected.device)
     return projected @ projected.transpose(-1, -2) + low_pass
 
 
@@ -95,7 +95,7 @@ def _rotations(quaternions: Float[Tensor, "n 4"]) -> Float[Tensor, "n 3 3"]:
     w, x, y, z = torch.nn.functional.normalize(quaternions, dim=-1).unbind(-1)
     zero = torch.zeros_like(w)
     cross = torch.stack([zero, -z, y, z, zero, -x, -y, x, zero], dim=-1).reshape(-1, 3, 3)
-    identity = torch.eye(3, dtype=w.dtype)
+    identity = torch.eye(3, dtype=w.dtype, device=w.device)
     return identity + 2 * w[:, None, None] * cross + 2 * cross @ cross
 
 
@@ -125,7 +125,7 @@ def _composite_row(
     features: Float[Tensor, "n channels"],
 ) -> tuple[Float[Tensor, "width channels"], Float[Tensor, " width"]]:
     """One image row without its background, and its final transmittance."""
-    x = torch.arange(width, dtype=means2d.dtype) + 0.5
+    x = torch.arange(width, dtype=means2d.dtype, device=means2d.device) + 0.5
     pixels = torch.stack([x, torch.full_like(x, y + 0.5)], dim=-1)
     offset = pixels[:, None] - means2d
     power = -0.5 * torch.einsum("pni,nij,pnj->pn", offset, conics, offset)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 from torch import Tensor
 
 from r3gw.files import InputError
-from r3gw.geometry.cameras import UP, Camera
+from r3gw.geometry.cameras import Camera, upright_pose
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.relight.sweep import Sweep
 from r3gw.scene import Scene, View
@@ -113,13 +113,8 @@ def orbited(camera: Camera, centre: Float[Tensor, "3"], turn_rad: float) -> Came
         turn_rad: Positive carries the camera to its right.
     """
     position = centre + rotation_about_axis(1, -turn_rad) @ (camera.centre - centre)
-    forward = torch.nn.functional.normalize(centre - position, dim=0)
-    right = torch.linalg.cross(-torch.tensor(UP, dtype=torch.float64), forward)
-    right = torch.nn.functional.normalize(right, dim=0)
-    cam_from_world = torch.eye(4, dtype=torch.float64)
-    cam_from_world[:3, :3] = torch.stack([right, torch.linalg.cross(forward, right), forward])
-    cam_from_world[:3, 3] = -cam_from_world[:3, :3] @ position
-    return Camera(cam_from_world, camera.intrinsics, camera.width, camera.height)
+    pose = upright_pose(centre, position)
+    return Camera(pose, camera.intrinsics, camera.width, camera.height)
 
 
 def path(cameras: list[Camera], times: list[float]) -> list[Camera]:

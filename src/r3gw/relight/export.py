@@ -1,39 +1,37 @@
-"""The export: a trained scene in, files for other programs out."""
+"""A trained scene under one light as files for other programs."""
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 from r3gw.files import InputError
 from r3gw.geometry.similarity import Similarity
+from r3gw.lighting.light import Light
 from r3gw.relight.bake import bake
 from r3gw.relight.cameras import view_named
 from r3gw.relight.files.gltf import write_glb
 from r3gw.relight.files.lights_file import write_lights
 from r3gw.relight.files.ply import Baked, Coordinates, Placement, write_ply
-from r3gw.relight.lights import LightOptions, light_over_time
-from r3gw.relight.load import load_relightable
 from r3gw.relight.move import moved
 from r3gw.relight.tone import CURVES
-from r3gw.scene import load_scene
+from r3gw.relight.trained import TrainedScene
 
 
 def export(
-    model_path: Path,
-    scene_folder: Path,
-    target: Path,
-    light: LightOptions,
+    trained: TrainedScene,
+    target: str | Path,
+    light: Light,
     *,
     view: str | None = None,
-    tone: str = "standard",
+    tone: Literal["standard", "reinhard", "filmic"] = "standard",
     coordinates: Coordinates = "scene",
 ) -> None:
     """Write ``baked.ply``, ``relightable.ply``, ``baked.glb`` and ``lights.json``.
 
     Args:
-        model_path: model.safetensors of a training, or relightable.ply of an export.
-        scene_folder: Folder of scene.json.
+        trained: What to write.
         target: Folder to write.
-        light: What the colours are baked under; it stands still.
+        light: What the colours are baked under.
         view: Photo from whose camera the colours are right; None means over the training views.
         tone: Name of the tone curve.
         coordinates: ``scene`` is r3gw's world (up = -y); ``source`` is that of the dataset or
@@ -41,23 +39,25 @@ def export(
             file follows its own format: up is +y.
 
     Raises:
-        InputError: If a file is unreadable, a name unknown, or the light moves.
+        InputError: If the view is unknown, or the scene has no cameras.
     """
-    if light.moves:
-        raise InputError("an export has one light: give plain numbers, not FROM:TO")
-    gaussians, scene = load_relightable(model_path), load_scene(scene_folder)
+    scene, gaussians, folder = trained.scene, trained.gaussians, Path(target)
+    if scene is None:
+        raise InputError(
+            f"{gaussians.origin}: an export needs the photos' cameras; load the model with the "
+            "folder of its scene.json"
+        )
     views = scene.split("train") if view is None else (view_named(scene, view),)
-    shown = light_over_time(gaussians, light)(0.0)
-    baked = bake(gaussians, [each.camera for each in views], shown, CURVES[tone])
+    baked = bake(gaussians, [each.camera for each in views], light, CURVES[tone])
     placement = Placement(coordinates, scene.scene_from_source.similarity)
     if coordinates == "source":
         source_from_scene = placement.scene_from_source.inverse()
         gaussians = moved(gaussians, source_from_scene)
         baked = _turned(baked, source_from_scene)
-    write_ply(target / "baked.ply", gaussians, baked, placement, relightable=False)
-    write_ply(target / "relightable.ply", gaussians, baked, placement, relightable=True)
-    write_lights(gaussians.lights, coordinates, target)
-    write_glb(target / "baked.glb", gaussians, baked)
+    write_ply(folder / "baked.ply", gaussians, baked, placement, relightable=False)
+    write_ply(folder / "relightable.ply", gaussians, baked, placement, relightable=True)
+    write_lights(gaussians.lights, coordinates, folder)
+    write_glb(folder / "baked.glb", gaussians, baked)
 
 
 def _turned(baked: Baked, target_from_source: Similarity) -> Baked:

@@ -11,6 +11,14 @@ from torch import Tensor
 from r3gw.files import InputError
 from r3gw.geometry.rotations import shortest_axes
 from r3gw.lighting.light import Light
+from r3gw.model.attributes import (
+    LOG_SCALES,
+    MEANS,
+    OPACITY,
+    QUATERNIONS,
+    Attribute,
+    materials_of,
+)
 from r3gw.model.lights import learned_lights
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION
@@ -98,16 +106,19 @@ class Relightable:
 def relightable_of(model: SceneModel, origin: str = "the model") -> Relightable:
     """Take a trained model apart into what pictures need; ``origin`` is for messages."""
     foreground, sky = model.foreground, model.sky
+
+    def both(attribute: Attribute) -> Tensor:
+        return torch.cat([foreground[attribute.name], sky.rows[attribute.name]])
+
     return Relightable(
-        torch.cat([foreground["means"], sky.means()]),
-        torch.cat([foreground["quaternions"], sky.rows["quaternions"]]),
-        torch.cat([foreground["log_scales"], sky.rows["log_scales"]]),
-        torch.cat([foreground["opacity_logits"], sky.rows["opacity_logits"]]),
-        foreground["albedo_logits"].sigmoid(),
-        foreground["roughness_logits"].sigmoid(),
-        learned_lights(model),
-        model.description.light_degree,
-        model.description.specular,
-        foreground.values.get(OCCLUSION),
-        origin,
+        means=torch.cat([foreground[MEANS.name], sky.means()]),
+        quaternions=both(QUATERNIONS),
+        log_scales=both(LOG_SCALES),
+        opacity_logits=both(OPACITY),
+        **materials_of(foreground),
+        lights=learned_lights(model),
+        light_degree=model.description.light_degree,
+        with_specular=model.description.specular,
+        occlusion=foreground.values.get(OCCLUSION),
+        origin=origin,
     )

@@ -110,6 +110,17 @@ def light_over_time(gaussians: Relightable, options: LightOptions) -> LightOverT
     return lambda time: with_sky(own(time)).turned(options.yaw_deg.at(time)).times(exposure)
 
 
+def still_light(gaussians: Relightable, options: LightOptions) -> Light:
+    """The light of a picture, or of anything else that has no time.
+
+    Raises:
+        InputError: If the light moves, and as `light_over_time`.
+    """
+    if options.moves:
+        raise InputError("this has one light: give plain numbers, not FROM:TO")
+    return light_over_time(gaussians, options)(0.0)
+
+
 def _learned(gaussians: Relightable, source: PhotoSource) -> LightOverTime:
     if len(source.photos) not in (1, 2):
         raise InputError(f"one learned light, or a blend of two, not {len(source.photos)}")

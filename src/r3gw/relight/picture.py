@@ -5,8 +5,6 @@ Gaussians, as in training. A white sky or an environment map is seen per pixel i
 sky's Gaussians only hide what is behind them, and the pixel's own background shows through them.
 """
 
-from math import pi
-
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -17,7 +15,7 @@ from r3gw.lighting.skies import LearnedSky
 from r3gw.raster import rasterize
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.tone import Curve
-from r3gw.rendering.cook_torrance import face_camera, shade
+from r3gw.rendering.shading import shade_foreground
 
 
 def foreground_values(
@@ -27,19 +25,16 @@ def foreground_values(
     curve: Curve,
 ) -> Float[Tensor, "f 3"]:
     """Colours of the foreground as seen from a point, after the tone curve."""
-    means = gaussians.means[: gaussians.num_foreground]
-    to_camera = torch.nn.functional.normalize(camera_centre.to(means) - means, dim=-1)
-    linear = shade(
-        face_camera(gaussians.normals, to_camera),
-        to_camera,
+    linear = shade_foreground(
+        gaussians.means[: gaussians.num_foreground],
+        gaussians.normals,
         gaussians.albedo,
         gaussians.roughness,
+        camera_centre,
         light.sh,
         with_specular=gaussians.with_specular,
+        occlusion=gaussians.occlusion,
     )
-    if gaussians.occlusion is not None:
-        shadow = gaussians.occlusion[:, : len(light.sh)] @ light.sh
-        linear = linear + gaussians.albedo / pi * shadow
     return curve(linear)
 
 

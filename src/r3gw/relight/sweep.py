@@ -1,8 +1,7 @@
 """A number that may change over a film."""
 
 from dataclasses import dataclass
-
-import numpy as np
+from math import isfinite
 
 from r3gw.files import InputError
 
@@ -24,7 +23,7 @@ class Sweep:
             values = tuple(float(part) for part in text.split(":"))
         except ValueError:
             values = (float("nan"),)
-        if not np.isfinite(values).all():
+        if not all(isfinite(value) for value in values):
             raise InputError(f"'{text}' is neither a number nor FROM:TO, such as 0:90")
         return Sweep(values)
 
@@ -35,4 +34,9 @@ class Sweep:
 
     def at(self, time: float) -> float:
         """Value at a time of the film, 0 to 1."""
-        return float(np.interp(time, np.linspace(0.0, 1.0, len(self.values)), self.values))
+        place = min(max(time, 0.0), 1.0) * (len(self.values) - 1)
+        before = min(int(place), len(self.values) - 2)
+        if before < 0:
+            return self.values[0]
+        first, last = self.values[before : before + 2]
+        return first + (place - before) * (last - first)

@@ -87,7 +87,7 @@ def lookup(
         cosine: n.v in [0, 1].
         roughness: Disney roughness in [0, 1].
     """
-    table = brdf_table().to(cosine.dtype)
+    table = brdf_table().to(cosine)
     row = torch.sqrt(cosine.clamp(SMALLEST_COSINE, 1.0)) * (SIZE - 1)
     column = roughness.clamp(0.0, 1.0) * (SIZE - 1)
     above = row.detach().long().clamp(0, SIZE - 2)

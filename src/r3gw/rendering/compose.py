@@ -1,23 +1,17 @@
-"""One rendering pass over both sets of Gaussians (Sec. 4.1 to 4.3).
-
-Feature channels, in this order: display colour (3), camera depth (1), foreground normal (3),
-foreground-only and sky-only channel sum (1 each). The last two carry no colour gradient; where a
-silhouette takes the place of Eq. 15 they hold its marks (`silhouette_marks`).
-"""
+"""One rendering pass over both sets of Gaussians: colours, depth, normals, each set by itself."""
 
 from dataclasses import dataclass
 
-import torch
 from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
 from r3gw.model.model import SceneModel
 from r3gw.raster import rasterize
-from r3gw.rendering.splats import Splats, splats_of
+from r3gw.rendering.channels import COLOUR, DEPTH, FOREGROUND, NORMAL, NUM_LEARNED, SKY, Layers
+from r3gw.rendering.splat_set import Splats
+from r3gw.rendering.splats import splats_of
 
-COLOUR, DEPTH, NORMAL, FOREGROUND, SKY = slice(0, 3), 3, slice(4, 7), 7, 8
-NUM_COLOUR_GRADIENTS = 7
 SMALLEST_ALPHA = 1e-6
 
 
@@ -26,14 +20,15 @@ class Rendering:
     """What one pass returns; N counts foreground Gaussians first, then the sky's.
 
     Attributes:
-        planes: Composited channels on black; the pictures below are views of them.
+        planes: Composited channels (`r3gw.rendering.channels`) on black; the pictures below are
+            views of them.
         alpha: Accumulated opacity of both sets.
         radii_px: 0 = not visible.
         means2d: Pixels; its ``.grad`` feeds densification.
         splats: What was drawn.
     """
 
-    planes: Float[Tensor, "9 h w"]
+    planes: Float[Tensor, "channels h w"]
     alpha: Float[Tensor, "h w"]
     radii_px: Float[Tensor, "n"]
     means2d: Float[Tensor, "n 2"]
@@ -55,14 +50,24 @@ class Rendering:
         return self.planes[NORMAL].permute(1, 2, 0)
 
     @property
-    def foreground(self) -> Float[Tensor, "h w"]:
-        """Channel sum of the foreground's colour, or the first mark of a silhouette."""
-        return self.planes[FOREGROUND]
+    def foreground_colour(self) -> Float[Tensor, "h w"]:
+        """Channel sum of the foreground's share of the colour, of a pass with `Layers.COLOUR`."""
+        return self._layer(FOREGROUND, Layers.COLOUR)
 
     @property
-    def sky(self) -> Float[Tensor, "h w"]:
-        """Channel sum of the sky's colour, or the second mark."""
-        return self.planes[SKY]
+    def sky_colour(self) -> Float[Tensor, "h w"]:
+        """Channel sum of the sky's share of the colour, of a pass with `Layers.COLOUR`."""
+        return self._layer(SKY, Layers.COLOUR)
+
+    @property
+    def foreground_opacity(self) -> Float[Tensor, "h w"]:
+        """Opacity that the foreground contributes, of a pass with `Layers.OPACITY`."""
+        return self._layer(FOREGROUND, Layers.OPACITY)
+
+    def _layer(self, channel: int, layers: Layers) -> Float[Tensor, "h w"]:
+        if self.splats.layers is not layers:
+            raise ValueError(f"the pass was drawn with {self.splats.layers!r}, not {layers!r}")
+        return self.planes[channel]
 
 
 def render(
@@ -70,6 +75,7 @@ def render(
     camera: Camera,
     light: Float[Tensor, "coeff 3"],
     sky_light: Float[Tensor, "4 3"] | None,
+    layers: Layers = Layers.COLOUR,
 ) -> Rendering:
     """Render the scene.
 
@@ -79,19 +85,9 @@ def render(
         light: SH environment light, linear.
         sky_light: Sky coefficients (Eq. 11); None paints the sky white, as the protocol of
             test views does.
+        layers: What the two sets' own channels hold.
     """
-    return draw(splats_of(model, camera, light, sky_light), camera)
-
-
-def silhouette_marks(model: SceneModel, solid: float) -> Float[Tensor, "n 2"]:
-    """Channel sums of which Eq. 15's mean over pixels and channels makes the silhouette loss.
-
-    On sky pixels it counts the foreground's opacity, elsewhere ``-solid`` times that; so it is
-    `r3gw.training.losses.separation.silhouette_loss` less a number that depends on the masks alone.
-    """
-    marks = torch.zeros(model.num_gaussians, 2)
-    marks[: len(model.foreground)] = torch.tensor([3.0, -3.0 * solid])
-    return marks
+    return draw(splats_of(model, camera, light, sky_light, layers), camera)
 
 
 def draw(splats: Splats, camera: Camera) -> Rendering:
@@ -102,10 +98,10 @@ def draw(splats: Splats, camera: Camera) -> Rendering:
         splats.scales,
         splats.opacities,
         splats.features,
-        camera.cam_from_world.float(),
+        camera.cam_from_world.to(splats.means),
         camera.intrinsics,
         camera.width,
         camera.height,
-        num_feature_gradients=NUM_COLOUR_GRADIENTS,
+        num_feature_gradients=NUM_LEARNED,
     )
     return Rendering(result.planes, result.alpha, result.radii_px, result.means2d, splats)

@@ -1,6 +1,7 @@
-"""Colour of foreground surfaces under SH light (paper, Sec. 4.2). Plain torch: the reference.
+"""Colour of foreground surfaces under SH light (paper, Sec. 4.2) in plain torch.
 
-Rendering uses csrc/shade.h, which is held against this module (tests/rendering/test_splats.py).
+Pictures are shaded by csrc/shade.h (`r3gw.rendering.splats` and `r3gw.rendering.shading`), which is
+held against this module; this is what they fall back to.
 """
 
 from math import pi

@@ -11,8 +11,9 @@ from r3gw.geometry.cameras import Camera
 from r3gw.geometry.rotations import shortest_axes
 from r3gw.imaging.colour import display_from_linear
 from r3gw.model.model import SceneModel
+from r3gw.rendering.channels import CHANNELS, Layers
 from r3gw.rendering.cook_torrance import face_camera, shade
-from r3gw.rendering.splats import Splats, shadows_of
+from r3gw.rendering.splat_set import Splats, shadow_of
 
 
 def splats_of(
@@ -20,6 +21,7 @@ def splats_of(
     camera: Camera,
     light: Float[Tensor, "coeff 3"],
     sky_light: Float[Tensor, "4 3"] | None,
+    layers: Layers = Layers.COLOUR,
 ) -> Splats:
     """As `r3gw.rendering.splats.splats_of`."""
     foreground, sky = model.foreground, model.sky
@@ -36,7 +38,8 @@ def splats_of(
         light,
         with_specular=model.description.specular,
     )
-    for shadow in shadows_of(foreground, light):
+    shadow = shadow_of(foreground, light)
+    if shadow is not None:
         linear = linear + foreground["albedo_logits"].sigmoid() * shadow / pi
     colours = display_from_linear(linear)
     if sky_light is None:
@@ -48,16 +51,14 @@ def splats_of(
     pose = camera.cam_from_world.to(means)
     depths = means @ pose[2, :3] + pose[2, 3]
     rows = len(foreground), len(sky.rows)
-    features = torch.cat(
-        [
-            torch.cat([colours, sky_colours]),
-            depths[:, None],
-            pad(normals, (0, 0, 0, rows[1])),
-            pad(colours.detach().sum(-1), (0, rows[1]))[:, None],
-            pad(sky_colours.detach().sum(-1), (rows[0], 0))[:, None],
-        ],
-        dim=-1,
-    )
+    by_name = {
+        "colour": torch.cat([colours, sky_colours]),
+        "depth": depths[:, None],
+        "normal": pad(normals, (0, 0, 0, rows[1])),
+        "foreground": pad(_layer(colours, layers), (0, rows[1]))[:, None],
+        "sky": pad(_layer(sky_colours, layers), (rows[0], 0))[:, None],
+    }
+    features = torch.cat([by_name[name] for name in CHANNELS], dim=-1)
     return Splats(
         means,
         torch.cat([foreground["quaternions"], sky.rows["quaternions"]]),
@@ -66,4 +67,10 @@ def splats_of(
         features,
         depths,
         foreground["log_scales"].exp().amin(dim=-1),
+        layers,
     )
+
+
+def _layer(colours: Float[Tensor, "n 3"], layers: Layers) -> Float[Tensor, "n"]:
+    """What a set's own channel holds of each of its Gaussians."""
+    return colours.detach().sum(-1) if layers is Layers.COLOUR else torch.ones_like(colours[:, 0])

@@ -10,6 +10,7 @@ from torch import Tensor
 from r3gw.geometry.cameras import Camera
 from r3gw.lighting import sh
 from r3gw.model.model import SceneModel
+from r3gw.rendering.channels import Layers
 from r3gw.rendering.compose import SMALLEST_ALPHA, draw
 from r3gw.rendering.splats import splats_of
 
@@ -34,19 +35,24 @@ class Surfaces:
 @torch.no_grad()
 def surfaces_of(model: SceneModel, camera: Camera) -> Surfaces:
     """Render the model's surfaces; no light takes part."""
-    no_light = torch.zeros(sh.num_coefficients(2), 3)
-    splats = splats_of(model, camera, no_light, None)
-    nothing = torch.zeros(len(model.sky.rows), 3)
     albedo = model.foreground["albedo_logits"].sigmoid()
+    no_light = albedo.new_zeros(sh.num_coefficients(2), 3)
+    splats = splats_of(model, camera, no_light, None, Layers.OPACITY)
+    nothing = albedo.new_zeros(len(model.sky.rows), 3)
     rendering = draw(splats.with_colours(torch.cat([albedo, nothing])), camera)
-    presence = torch.cat([torch.ones_like(albedo), nothing])
-    alpha = draw(splats.with_colours(presence), camera).colour[..., :1]
+    alpha = rendering.foreground_opacity
     return Surfaces(
-        (rendering.colour / alpha.clamp_min(SMALLEST_ALPHA)).double().numpy(),
-        torch.nn.functional.normalize(rendering.normal, dim=-1).double().numpy(),
-        rendering.depth.double().numpy(),
-        alpha[..., 0].double().numpy(),
+        _array(rendering.colour / alpha[..., None].clamp_min(SMALLEST_ALPHA)),
+        _array(torch.nn.functional.normalize(rendering.normal, dim=-1)),
+        _array(rendering.depth),
+        _array(alpha),
     )
+
+
+def _array(picture: Float[Tensor, "*shape"]) -> Float[np.ndarray, "*shape"]:
+    """A float64 array of a tensor on any device."""
+    array: Float[np.ndarray, "*shape"] = picture.double().cpu().numpy()
+    return array
 
 
 @torch.no_grad()
@@ -65,10 +71,11 @@ def apart(
         sky_light: Sky coefficients; None paints the sky white.
     """
     splats = splats_of(model, camera, light, sky_light)
-    colours = splats.features[:, :3]
-    is_foreground = torch.arange(len(colours))[:, None] < len(model.foreground)
+    colours = splats.colours
+    rows = torch.arange(len(colours), device=colours.device)[:, None]
+    is_foreground = rows < len(model.foreground)
     shares = []
     for is_shown in (is_foreground, ~is_foreground):
         shown = draw(splats.with_colours(colours * is_shown), camera)
-        shares.append(shown.colour.double().numpy())
+        shares.append(_array(shown.colour))
     return shares[0], shares[1]

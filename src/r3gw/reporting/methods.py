@@ -1,5 +1,6 @@
 """What variants are called in print, and which part of a table they belong to."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 PAPER = "measured"
@@ -38,6 +39,7 @@ _METHODS = {
     ),
     "r3gw_plus": Method("r3gw_plus", "r3gw_plus", BEYOND),
 }
+RECOMMENDED = "r3gw_plus"
 _GROUPS = (PAPER, ABLATION, BEYOND, OWN)
 
 
@@ -45,6 +47,11 @@ def method_of(variant: str) -> Method:
     """How a variant is printed; one that this project does not know keeps its own name."""
     label = variant.replace("_", " ")
     return _METHODS.get(variant, Method(f"r3gw, {label}", label, OWN))
+
+
+def recommended(variants: Sequence[str]) -> str:
+    """The variant to show where one is shown: what goes beyond the paper, else the first."""
+    return RECOMMENDED if RECOMMENDED in variants else variants[0]
 
 
 def in_print_order(variants: list[str]) -> list[str]:

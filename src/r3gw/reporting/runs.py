@@ -61,12 +61,15 @@ class Run:
 
     @cached_property
     def cost(self) -> Mapping[str, float]:
-        """What the evaluation measured with a clock: cost.json.
+        """Seconds and memory of the training and of the evaluation: cost.json.
 
         Raises:
-            InputError: If there is no such file.
+            InputError: If there is no such file, or it is of an earlier version.
         """
-        cost: dict[str, float] = json.loads(_existing(self.folder / "cost.json").read_text())
+        path = _existing(self.folder / "cost.json")
+        cost: dict[str, float] = json.loads(path.read_text())
+        if "training_seconds" not in cost:
+            raise InputError(f"{path}: holds no training_seconds; evaluate the run again")
         return cost
 
     @cached_property

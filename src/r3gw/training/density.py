@@ -13,12 +13,13 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 from torch.optim import Optimizer
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.geometry.rotations import rotation_from_quaternion
 from r3gw.geometry.spherical import direction_from_angles
+from r3gw.model.attributes import OPACITY
 from r3gw.model.foreground import too_large
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import Rows
+from r3gw.native import kernels, ops
 from r3gw.training.settings import DensitySettings
 
 SPLIT_SHRINK = 1.6
@@ -48,9 +49,14 @@ class GradientStatistics:
     ) -> None:
         """Take in one view's gradients with respect to pixel positions."""
         # A pixel is 2 / width of the NDC range [-1, 1].
-        torch.ops.r3gw.add_gradient_norms(
-            self.total, self.views, gradient_px, radii_px, 0.5 * width, 0.5 * height
-        )
+        x, y = 0.5 * width, 0.5 * height
+        if kernels.take("add_gradient_norms", self.total, gradient_px, radii_px):
+            ops.add_gradient_norms(self.total, self.views, gradient_px, radii_px, x, y)
+            return
+        is_visible = radii_px > 0
+        norm = torch.hypot(x * gradient_px[:, 0], y * gradient_px[:, 1])
+        self.total += torch.where(is_visible, norm, 0.0)
+        self.views += is_visible
 
     def mean(self) -> Float[Tensor, "n"]:
         """Mean gradient norm; 0 for Gaussians that no view saw."""
@@ -120,7 +126,7 @@ def reset_opacity(model: SceneModel, optimizer: Optimizer, highest: float) -> No
     ceiling = torch.logit(torch.tensor(highest))
     for rows in (model.foreground, model.sky.rows):
         if len(rows):
-            rows.overwrite(optimizer, "opacity_logits", rows["opacity_logits"].clamp(max=ceiling))
+            rows.overwrite(optimizer, OPACITY.name, rows[OPACITY.name].clamp(max=ceiling))
 
 
 def _strongest(grads: Float[Tensor, "n"], threshold: float, budget: int) -> Bool[Tensor, "n"]:
@@ -169,7 +175,7 @@ def split_children(
 
 def _prune(rows: Rows, optimizer: Optimizer, min_opacity: float, huge: float) -> None:
     """Drop rows that are nearly transparent or larger than ``huge`` world units."""
-    opacity = rows["opacity_logits"].detach().sigmoid()
+    opacity = OPACITY.of(rows).detach()
     is_kept = (opacity >= min_opacity) & ~too_large(rows["log_scales"], huge)
     none = {name: value.detach()[:0] for name, value in rows.values.items()}
     rows.rebuild(optimizer, torch.nonzero(is_kept).squeeze(-1), none)

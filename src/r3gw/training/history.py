@@ -47,7 +47,6 @@ class History:
         """Record one iteration and return its row, with a column for every acting loss."""
         row: dict[str, float | int] = {
             "iteration": iteration,
-            "seconds": self.seconds(),
             "loss": sum(parts.values()),
             "psnr": photo_psnr(rendering, photo),
             "num_foreground": len(model.foreground),

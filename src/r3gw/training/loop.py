@@ -24,6 +24,7 @@ from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
 from r3gw.training.state import TrainingState, first_state
+from r3gw.training.watched import Watched
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
 
@@ -33,6 +34,7 @@ def train(
     photos: list[Photo],
     settings: TrainSettings,
     checkpoints: Checkpoints | None = None,
+    watched: Watched | None = None,
 ) -> TrainingState:
     """Optimise ``model`` on ``photos`` for the iterations that the settings name.
 
@@ -41,6 +43,7 @@ def train(
         photos: The training photos, in the order of ``model.photos``.
         settings: The settings of the run.
         checkpoints: Where to continue from and save to; None does neither.
+        watched: Where to show the run to those who watch it; None shows nothing.
 
     Raises:
         InputError: If the loss stops being finite or the foreground vanishes.
@@ -51,7 +54,7 @@ def train(
     schedule = Schedule.of(settings)
     state.model.appearance.train()
     try:
-        _run(state, photos, schedule, checkpoints)
+        _run(state, photos, schedule, checkpoints, watched)
     except Diverged as error:
         kept = "" if checkpoints is None else checkpoints.kept()
         raise InputError(f"{error}{kept}") from None
@@ -60,7 +63,11 @@ def train(
 
 
 def _run(
-    state: TrainingState, photos: list[Photo], schedule: Schedule, checkpoints: Checkpoints | None
+    state: TrainingState,
+    photos: list[Photo],
+    schedule: Schedule,
+    checkpoints: Checkpoints | None,
+    watched: Watched | None,
 ) -> None:
     """Do the iterations that are left."""
     iterations = state.settings.iterations
@@ -70,7 +77,7 @@ def _run(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
     ) as bar:
         while state.iteration < iterations:
-            row = _step(state, photos, schedule, extent)
+            row = _step(state, photos, schedule, extent, watched)
             if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
@@ -80,7 +87,11 @@ def _run(
 
 
 def _step(
-    state: TrainingState, photos: list[Photo], schedule: Schedule, extent: float
+    state: TrainingState,
+    photos: list[Photo],
+    schedule: Schedule,
+    extent: float,
+    watched: Watched | None,
 ) -> dict[str, float | int] | None:
     """Do one iteration; return its row of the history if it gets one."""
     state.iteration += 1
@@ -106,9 +117,11 @@ def _step(
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
         centres = [photo.camera.centre for photo in photos]
         update_occlusion(model.foreground, centres, settings.occlusion)
-    if not state.history.is_due(iteration):
-        return None
-    return state.history.add(iteration, model, photo, rendering, parts)
+    is_due = state.history.is_due(iteration)
+    row = state.history.add(iteration, model, photo, rendering, parts) if is_due else None
+    if watched is not None:
+        watched.show_if_asked(state, photo, rendering)
+    return row
 
 
 def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> None:

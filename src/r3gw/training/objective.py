@@ -5,15 +5,15 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.model.model import SceneModel
-from r3gw.rendering.compose import Rendering, draw, silhouette_marks
-from r3gw.rendering.splats import splats_of
+from r3gw.rendering.channels import Layers
+from r3gw.rendering.compose import Rendering, render
 from r3gw.training.lights.kinds import training_of
-from r3gw.training.losses.known_gradient import KnownLoss, sum_of
-from r3gw.training.losses.picture import PictureWeights, picture_losses
-from r3gw.training.losses.regularisers import flatness_loss, sky_depth_loss
+from r3gw.training.losses.choice import FORMS
+from r3gw.training.losses.forms import PictureWeights
+from r3gw.training.losses.weighted import Weighted, sum_of, value_of
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
-from r3gw.training.settings import TrainSettings, WeightSettings
+from r3gw.training.settings import TrainSettings
 
 
 def objective(
@@ -36,16 +36,14 @@ def objective(
         schedule: Says which losses act.
         generator: Light noise and positivity directions.
     """
-    weights, silhouette = settings.weights, settings.silhouette
+    weights, losses = settings.weights, FORMS[settings.losses]
     lit = model.appearance(index)
     noise = torch.randn(lit.light.shape, generator=generator)
-    noisy = torch.add(lit.light, noise, alpha=settings.model.light_noise)
-    splats = splats_of(model, photo.camera, noisy, lit.sky_light)
-    if silhouette.enabled:
-        splats = splats.with_channel_sums(silhouette_marks(model, silhouette.solid))
-    rendering = draw(splats, photo.camera)
-    acting = acting_weights(weights, schedule, iteration)
-    pixels = picture_losses(
+    noisy = torch.add(lit.light, noise.to(lit.light), alpha=settings.model.light_noise)
+    layers = Layers.OPACITY if settings.silhouette.enabled else Layers.COLOUR
+    rendering = render(model, photo.camera, noisy, lit.sky_light, layers)
+    acting = acting_weights(settings, schedule, iteration)
+    pixels = losses.picture(
         rendering.planes,
         rendering.alpha,
         photo.planes,
@@ -53,47 +51,44 @@ def objective(
         photo.is_sky,
         photo.camera,
         acting,
+        settings.silhouette.solid,
     )
-    known = [pixels.total]
-    separation = pixels.separation
-    if silhouette.enabled:
-        separation += silhouette.solid * photo.solid_share
-    parts = {"separation": acting.separation * separation}
+    weighted = [pixels.total]
+    if settings.silhouette.enabled:
+        parts = {"silhouette": acting.silhouette * pixels.silhouette}
+    else:
+        parts = {"separation": acting.separation * pixels.separation}
     if iteration <= schedule.warm_up:
-        return rendering, sum_of(known), parts
+        return rendering, sum_of(weighted), parts
 
     parts["reconstruction"] = acting.l1 * pixels.l1 + acting.dissimilarity * pixels.dissimilarity
     parts["normal"] = acting.normal * pixels.normal
 
-    def add(name: str, loss: KnownLoss) -> None:
-        known.append(loss)
-        parts[name] = loss.value
+    def add(name: str, loss: Weighted) -> None:
+        weighted.append(loss)
+        parts[name] = value_of(loss)
 
-    others: list[Tensor] = []  # losses whose gradients torch finds
-    for name, loss in training_of(model.appearance.light_model).losses(
-        lit, photo, settings, generator
-    ):
-        if isinstance(loss, KnownLoss):
-            add(name, loss)
-        else:
-            others.append(loss)
-            parts[name] = float(loss.detach())
-    radii_px = rendering.radii_px
+    light_training = training_of(model.appearance.light_model)
+    for name, loss in light_training.losses(lit, photo, settings, generator):
+        add(name, loss)
+    splats, radii_px = rendering.splats, rendering.radii_px
     if weights.sky_depth > 0:
         num_foreground, gamma = len(model.foreground), weights.sky_depth_gamma
-        loss = sky_depth_loss(splats.depths, radii_px, num_foreground, gamma, weights.sky_depth)
-        add("sky_depth", loss)
+        depths, weight = splats.depths, weights.sky_depth
+        add("sky_depth", losses.sky_depth(depths, radii_px, num_foreground, gamma, weight))
     if iteration > schedule.geometry_losses_from:
-        add("scale", flatness_loss(splats.smallest_scales, radii_px, weights.scale))
-    total = sum_of(known)
-    for other in others:
-        total = total + other
-    return rendering, total, parts
+        add("scale", losses.flatness(splats.smallest_scales, radii_px, weights.scale))
+    return rendering, sum_of(weighted), parts
 
 
-def acting_weights(weights: WeightSettings, schedule: Schedule, iteration: int) -> PictureWeights:
+def acting_weights(settings: TrainSettings, schedule: Schedule, iteration: int) -> PictureWeights:
     """Weights of a picture's losses at an iteration: warm-up knows the separation alone."""
+    weights = settings.weights
+    if settings.silhouette.enabled:
+        separating = PictureWeights(silhouette=weights.separation)
+    else:
+        separating = PictureWeights(separation=weights.separation)
     if iteration <= schedule.warm_up:
-        return PictureWeights(0.0, 0.0, 0.0, weights.separation)
+        return separating
     normal = weights.normal if iteration > schedule.geometry_losses_from else 0.0
-    return PictureWeights(1 - weights.ssim, weights.ssim, normal, weights.separation)
+    return separating._replace(l1=1 - weights.ssim, dissimilarity=weights.ssim, normal=normal)

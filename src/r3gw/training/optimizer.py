@@ -5,10 +5,10 @@ from typing import Any
 
 import torch
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.model import foreground, sky
 from r3gw.model.attributes import FOREGROUND, SKY
 from r3gw.model.model import SceneModel
+from r3gw.native import kernels, ops
 from r3gw.training.lights.kinds import training_of
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import RateSettings, TrainSettings
@@ -53,8 +53,14 @@ def adam_step(optimizer: torch.optim.Adam) -> None:
     """Do what ``optimizer.step()`` and ``zero_grad()`` do, with one kernel for all parameters.
 
     torch calls one per group, and with a dozen groups of small tensors its bookkeeping takes longer
-    than the arithmetic. State and groups stay torch's, for densification and checkpoints.
+    than the arithmetic. State and groups stay torch's, for densification and checkpoints. Where no
+    kernel takes the parameters, torch's own step does it.
     """
+    parameters = [p for group in optimizer.param_groups for p in group["params"]]
+    if not kernels.take("adam_step", *parameters):
+        optimizer.step()
+        optimizer.zero_grad()
+        return
     values: list[torch.Tensor] = []
     states: list[dict[str, torch.Tensor]] = []
     rates: list[float] = []
@@ -68,9 +74,15 @@ def adam_step(optimizer: torch.optim.Adam) -> None:
             values.append(parameter)
             states.append(state)
             rates.append(group["lr"])
-    lists = [[state[key] for state in states] for key in ("exp_avg", "exp_avg_sq", "step")]
-    betas = optimizer.defaults["betas"]
-    torch.ops.r3gw.adam_step(values, *lists, rates, *betas, optimizer.defaults["eps"])
+    ops.adam_step(
+        values,
+        [state["exp_avg"] for state in states],
+        [state["exp_avg_sq"] for state in states],
+        [state["step"] for state in states],
+        rates,
+        optimizer.defaults["betas"],
+        optimizer.defaults["eps"],
+    )
 
 
 def set_position_rate(

@@ -36,11 +36,6 @@ class Photo:
     is_sky: Bool[Tensor, "h w"]
     seen_sky: VisibleSky | None = None
 
-    @property
-    def solid_share(self) -> float:
-        """Share of the valid pixels that are not sky."""
-        return float((self.is_valid & ~self.is_sky).sum() / self.is_valid.sum().clamp_min(1))
-
     def target(self) -> Float[Tensor, "h w 3"]:
         """Display values in [0, 1]."""
         return self.planes.permute(1, 2, 0).float() / 255.0

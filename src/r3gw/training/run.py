@@ -7,13 +7,13 @@ from pathlib import Path
 
 import torch
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
 from r3gw.files import write_json
 from r3gw.files.imports import Imports
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
 from r3gw.files.strict import read_yaml
 from r3gw.model.initial import load_initial
 from r3gw.model.model_file import save_model
+from r3gw.native import ops
 from r3gw.native.code import PACKAGE, code_digest
 from r3gw.scene import load_scene
 from r3gw.training.checkpoint import INTERVAL_S, Checkpoints
@@ -22,6 +22,7 @@ from r3gw.training.photos import load_photos
 from r3gw.training.run_digest import run_digest, run_parts
 from r3gw.training.settings import TrainSettings, load_train_settings
 from r3gw.training.start import initial_model
+from r3gw.training.watched import Watched
 
 log = logging.getLogger(__name__)
 
@@ -54,7 +55,10 @@ def run_training(
     checkpoint_s: float = INTERVAL_S,
     fresh: bool = False,
 ) -> None:
-    """Train and write model.safetensors, history.csv and, last, run.json into the run's folder.
+    """Train and write model.safetensors, history.csv, timing.json and, last, run.json.
+
+    What was measured is in timing.json alone, so a second run on the same machine gives the same
+    bytes in all other files.
 
     A run that was interrupted is continued where its last checkpoint stands, if everything that it
     depends on is still the same.
@@ -71,7 +75,7 @@ def run_training(
         InputError: If an input is missing or malformed, or training diverges.
     """
     torch.set_num_threads(num_threads)
-    torch.ops.r3gw.keep_freed_memory()
+    ops.keep_freed_memory()
     settings = load_train_settings(files.settings)
     imported = load_scene(files.scene)
     photos = load_photos(imported, files.scene, files.masks)
@@ -87,7 +91,8 @@ def run_training(
     _say_why_not_lengthened(files.target, settings)
     # What is loaded by now stays: the collector need not walk it during every iteration.
     gc.freeze()
-    state = train(start, photos, settings, checkpoints)
+    watched = Watched(files.target)
+    state = train(start, photos, settings, checkpoints, watched)
     save_model(state.model, files.target / "model.safetensors", values)
     state.history.write(files.target / "history.csv")
     record = {
@@ -101,14 +106,15 @@ def run_training(
         "code_version": code_version(),
         "machine": machine(),
         "num_threads": num_threads,
-        "training_seconds": state.history.seconds(),
-        "peak_rss_mb": peak_rss_mb(),
         "num_foreground": len(state.model.foreground),
         "num_sky": len(state.model.sky.rows),
         "notes": state.notes,
     }
+    timing = {"training_seconds": state.history.seconds(), "peak_rss_mb": peak_rss_mb()}
+    write_json(files.target / "timing.json", timing)
     write_json(files.target / "run.json", record)
     checkpoints.discard()
+    watched.discard()
 
 
 def _code() -> str:

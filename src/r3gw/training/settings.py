@@ -9,6 +9,9 @@ from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.model.description import LARGEST_LAYER
 from r3gw.model.settings import InitSettings, OcclusionSettings, SkySettings
 
+# How losses are computed: by kernels, or in plain torch (r3gw.training.losses.forms).
+FormName = Literal["fused", "plain"]
+
 # What `short_run_boost` multiplies.
 SLOW_RATES = ("albedo", "roughness", "sky_radius", "embedding", "mlp")
 
@@ -109,6 +112,7 @@ class TrainSettings(Strict):
 
     iterations: int = Field(ge=1)
     paper_iterations: int = Field(ge=1)
+    losses: FormName
     warm_up: int = Field(ge=0)
     geometry_losses_from: int = Field(ge=0)
     seed: int = Field(ge=0)

@@ -9,7 +9,7 @@ from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.geometry.spherical import direction_from_angles
 from r3gw.lighting import sh
-from r3gw.training.losses.geometry import normal_loss, normals_from_depth, scale_loss
+from r3gw.training.losses.geometry import flatness_loss, normal_loss, normals_from_depth
 from r3gw.training.losses.lighting import positivity_loss, random_directions, visible_sky_loss
 from r3gw.training.losses.reconstruction import masked_l1, reconstruction_loss
 from r3gw.training.losses.separation import separation_loss, silhouette_loss, sky_depth_loss
@@ -150,10 +150,11 @@ def test_normal_loss_by_hand():
     assert float(normal_loss(up, right, ~EVERYWHERE)) == 0.0
 
 
-def test_scale_loss_is_the_mean_smallest_visible_scale():
-    scales = torch.tensor([[1.0, 2.0, 3.0], [6.0, 5.0, 4.0], [9.0, 9.0, 9.0]])
+def test_flatness_is_the_mean_smallest_visible_scale():
+    smallest = torch.tensor([1.0, 4.0, 9.0])
     visible = torch.tensor([True, True, False])
-    assert float(scale_loss(scales.log(), visible)) == pytest.approx(2.5, rel=1e-6)
+    assert float(flatness_loss(smallest, visible)) == pytest.approx(2.5, rel=1e-6)
+    assert float(flatness_loss(smallest, ~(visible | ~visible))) == 0.0
 
 
 def test_separation_on_hand_made_layers():

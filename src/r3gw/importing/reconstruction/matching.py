@@ -1,8 +1,8 @@
 """Which photos are matched with which, and the matching itself.
 
 All pairs of 300 photos take hours, and nearly none of them show the same thing. Beyond some sixty
-photos, pairs come from likeness (COLMAP's bag of words, built from the photos' own features), from
-where the photos were taken, and from the order of their names.
+photos, pairs come from likeness, from where the photos were taken, and from the order of their
+names.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,8 @@ Matching = Literal["exhaustive", "sequential", "retrieval", "spatial"]
 Pair = tuple[str, str]
 
 MOST_EXHAUSTIVE = 60  # photos
-_OVERLAP = 10  # photos that follow in a sequence
+_DOUBLINGS = 10  # distances in a sequence: 1, 2, 4, ... 512
+_ALIKE = 25  # photos that look most like each one
 _FOLLOWING = 2  # photos that follow, where the order is a hint only
 _NEAREST = 30  # photos in space
 _PAIRS_AT_ONCE = 50
@@ -45,11 +46,13 @@ def match_photos(
     if chosen == "exhaustive":
         pairs = set(_following(photos, len(photos)))
     elif chosen == "sequential":
-        pairs = set(_following(photos, _OVERLAP)) | set(_doubling(photos))
+        pairs = set(_doubling(photos))
     elif chosen == "spatial":
         pairs = set(_near_in_space(photos)) | set(_following(photos, _FOLLOWING))
     else:
-        pairs = set(alike_pairs(database, effort)) | set(_following(photos, _FOLLOWING))
+        pairs = set(alike_pairs(database, _ALIKE, effort.seed)) | set(
+            _following(photos, _FOLLOWING)
+        )
         if matching is None:
             pairs |= set(_near_in_space(photos))
     match_pairs(database, sorted(pairs), effort)
@@ -84,7 +87,7 @@ def _following(photos: Sequence[PreparedPhoto], count: int) -> list[Pair]:
 def _doubling(photos: Sequence[PreparedPhoto]) -> list[Pair]:
     """Every photo with those 1, 2, 4, ... further, as COLMAP's sequential matching has it."""
     names = [photo.file.name for photo in photos]
-    steps = [2**power for power in range(_OVERLAP)]
+    steps = [2**power for power in range(_DOUBLINGS)]
     return [
         (names[i], names[i + step]) for i in range(len(names)) for step in steps
         if i + step < len(names)

@@ -2,7 +2,10 @@
 // r3gw.model.appearance says what it computes. With a batch of one every layer is a product of
 // matrix and vector, and its gradient an outer product: what they cost is the way of the weights
 // through memory.
-#include <ATen/ATen.h>
+#include <ATen/core/Tensor.h>
+#include <ATen/ops/empty_like.h>
+#include <ATen/ops/zeros_like.h>
+#include <ATen/record_function.h>
 #include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
 
@@ -187,14 +190,29 @@ struct AppearanceFunction : torch::autograd::Function<AppearanceFunction> {
 };
 
 // Light and sky coefficients [coeff,3] of the photo in this row of the embedding.
-std::vector<Tensor> appearance(const Tensor& embedding, std::int64_t photo,
-                               const std::optional<Tensor>& dropout, at::TensorList weights,
-                               at::TensorList biases) {
-  return AppearanceFunction::apply(embedding, photo, dropout, weights, biases);
+std::tuple<Tensor, Tensor> with_gradient(const Tensor& embedding, std::int64_t photo,
+                                         const std::optional<Tensor>& dropout,
+                                         at::TensorList weights, at::TensorList biases) {
+  const variable_list found =
+      AppearanceFunction::apply(embedding, photo, dropout, weights, biases);
+  return {found[0], found[1]};
+}
+
+std::tuple<Tensor, Tensor> without_gradient(const Tensor& embedding, std::int64_t photo,
+                                            const std::optional<Tensor>& dropout,
+                                            at::TensorList weights, at::TensorList biases) {
+  const variable_list found = outputs_of({embedding.select(0, photo), dropout, weights, biases});
+  return {found[0].view({-1, 3}), found[1].view({-1, 3})};
 }
 
 }  // namespace
 
-TORCH_LIBRARY_FRAGMENT(r3gw, library) { library.def("appearance", &appearance); }
+TORCH_LIBRARY_FRAGMENT(r3gw, library) {
+  library.def(
+      "appearance(Tensor embedding, int photo, Tensor? dropout, Tensor[] weights, "
+      "Tensor[] biases) -> (Tensor, Tensor)");
+}
+TORCH_LIBRARY_IMPL(r3gw, CPU, library) { library.impl("appearance", &without_gradient); }
+TORCH_LIBRARY_IMPL(r3gw, AutogradCPU, library) { library.impl("appearance", &with_gradient); }
 
 }  // namespace r3gw

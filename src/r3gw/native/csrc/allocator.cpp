@@ -21,6 +21,8 @@ void keep_freed_memory() {
 
 }  // namespace
 
-TORCH_LIBRARY_FRAGMENT(r3gw, library) { library.def("keep_freed_memory", &keep_freed_memory); }
+TORCH_LIBRARY_FRAGMENT(r3gw, library) {
+  library.def("keep_freed_memory() -> ()", &keep_freed_memory);
+}
 
 }  // namespace r3gw

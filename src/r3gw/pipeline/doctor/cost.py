@@ -1,7 +1,7 @@
 """How long a training takes and how much memory it needs: predicted from measured runs.
 
 All constants are in `MEASURED`. After a change of speed, measure again: a training of the chapel at
-the settings of config.yaml gives time and memory (run.json: training_seconds, peak_rss_mb).
+the settings of config.yaml gives time and memory (timing.json).
 """
 
 from dataclasses import dataclass

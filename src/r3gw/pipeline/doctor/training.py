@@ -62,7 +62,7 @@ def describe_training(size: SceneSize, runs: Sequence[TrainSettings], findings: 
         f"start with {first:,} ({size.foreground:,} foreground, {size.sky:,} sky), "
         f"at most {max(most, first):,}"
     )
-    costs = [_cost(settings, size) for settings in runs]
+    costs = [predicted(settings, size) for settings in runs]
     longest, largest = max(c.seconds for c in costs), max(c.memory_mb for c in costs)
     total = spoken_time(sum(cost.seconds for cost in costs))
     all_of_them = f", {total} for all {len(costs)}" if len(costs) > 1 else ""
@@ -77,7 +77,8 @@ def describe_training(size: SceneSize, runs: Sequence[TrainSettings], findings: 
         )
 
 
-def _cost(settings: TrainSettings, size: SceneSize) -> Cost:
+def predicted(settings: TrainSettings, size: SceneSize) -> Cost:
+    """Time and memory of one training of a scene."""
     last = max(size.gaussians, settings.density.max_gaussians)
     pixels = size.photo_pixels / size.photos
     return predicted_cost(settings.iterations, size.gaussians, last, pixels, size.photo_pixels)

@@ -1,6 +1,8 @@
 // Registers torch.ops.r3gw.rasterize, which torch differentiates: projection and compositing as two
 // nodes of its graph, so that the projected means are a tensor in between and collect their own
 // gradient, as densification needs. In C++ because a node in Python costs some 0.1 ms.
+#include <ATen/ops/zeros_like.h>
+#include <ATen/record_function.h>
 #include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
 
@@ -90,8 +92,10 @@ struct Composite : Function<Composite> {
   }
 };
 
+using Rasterized = std::tuple<Tensor, Tensor, Tensor, Tensor>;
+
 // Planes [C,H,W], alpha [H,W], radii [N], means2d [N,2].
-std::vector<Tensor> rasterize(const Tensor& means, const Tensor& quaternions, const Tensor& scales,
+Rasterized with_gradient(const Tensor& means, const Tensor& quaternions, const Tensor& scales,
                               const Tensor& opacities, const Tensor& features,
                               const std::optional<Tensor>& background,
                               const Tensor& cam_from_world, at::ArrayRef<double> intrinsics,
@@ -110,8 +114,30 @@ std::vector<Tensor> rasterize(const Tensor& means, const Tensor& quaternions, co
   return {drawn[0], drawn[1], radii, means2d};
 }
 
+Rasterized without_gradient(const Tensor& means, const Tensor& quaternions, const Tensor& scales,
+                            const Tensor& opacities, const Tensor& features,
+                            const std::optional<Tensor>& background,
+                            const Tensor& cam_from_world, at::ArrayRef<double> intrinsics,
+                            std::int64_t width, std::int64_t height, std::int64_t) {
+  const auto [means2d, factors, screen, radii] =
+      project_op(means.contiguous(), quaternions.contiguous(), scales.contiguous(),
+                 opacities.contiguous(), cam_from_world, intrinsics, width, height);
+  std::optional<Tensor> backdrop;
+  if (background) backdrop = background->contiguous();
+  const auto [planes, alpha, frame] = composite_op(means2d, factors, screen, radii,
+                                                   features.contiguous(), backdrop, width, height);
+  return {planes, alpha, radii, means2d};
+}
+
 }  // namespace
 
-TORCH_LIBRARY_FRAGMENT(r3gw, library) { library.def("rasterize", &rasterize); }
+TORCH_LIBRARY_FRAGMENT(r3gw, library) {
+  library.def(
+      "rasterize(Tensor means, Tensor quaternions, Tensor scales, Tensor opacities, "
+      "Tensor features, Tensor? background, Tensor cam_from_world, float[] intrinsics, int width, "
+      "int height, int num_feature_gradients) -> (Tensor, Tensor, Tensor, Tensor)");
+}
+TORCH_LIBRARY_IMPL(r3gw, CPU, library) { library.impl("rasterize", &without_gradient); }
+TORCH_LIBRARY_IMPL(r3gw, AutogradCPU, library) { library.impl("rasterize", &with_gradient); }
 
 }  // namespace r3gw

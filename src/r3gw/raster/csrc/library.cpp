@@ -1,6 +1,9 @@
 // Registers the rasterizer as torch.ops.r3gw.*, and the Python module whose import loads them all.
 #include "raster/csrc/operators.h"
 
+#include <ATen/ops/empty.h>
+#include <ATen/ops/empty_like.h>
+#include <ATen/ops/zeros_like.h>
 #include <Python.h>
 #include <torch/library.h>
 
@@ -38,7 +41,7 @@ Gaussians gaussians_from(const Tensor& means, const Tensor& quaternions, const T
           scales.const_data_ptr<float>()};
 }
 
-Splats splats_from(const Tensor& means2d, const Tensor& factors, const Tensor& screen,
+Projected projected_from(const Tensor& means2d, const Tensor& factors, const Tensor& screen,
                    const Tensor& features) {
   return {means2d.const_data_ptr<float>(), factors.const_data_ptr<float>(),
           screen.const_data_ptr<float>(), features.const_data_ptr<float>(),
@@ -94,14 +97,14 @@ std::tuple<Tensor, Tensor, c10::intrusive_ptr<FrameHandle>> composite_op(
   frame.height = static_cast<int>(height);
   frame.tiles_x = (frame.width + kTileSize - 1) / kTileSize;
   frame.tiles_y = (frame.height + kTileSize - 1) / kTileSize;
-  const Splats splats = splats_from(means2d, factors, screen, features);
+  const Projected projected = projected_from(means2d, factors, screen, features);
   Tensor image = at::empty({features.size(1), height, width}, features.options());
   Tensor alpha = at::empty({height, width}, features.options());
-  sort_by_depth(frame, means2d.size(0), radii.const_data_ptr<float>(), splats.screen);
-  for (int first = 0; first < splats.channels; first += kMaxChannels) {
-    const ChannelPass pass = pass_from(splats.channels, first);
-    fill_rows(frame, splats, first, pass.used, pass.width);
-    if (first == 0) fill_tile_lists(frame, splats, pass.width);
+  sort_by_depth(frame, means2d.size(0), radii.const_data_ptr<float>(), projected.screen);
+  for (int first = 0; first < projected.channels; first += kMaxChannels) {
+    const ChannelPass pass = pass_from(projected.channels, first);
+    fill_rows(frame, projected, first, pass.used, pass.width);
+    if (first == 0) fill_tile_lists(frame, projected, pass.width);
     composite(frame, pass, background ? background->const_data_ptr<float>() : nullptr,
               image.data_ptr<float>(), alpha.data_ptr<float>());
   }
@@ -114,16 +117,18 @@ std::tuple<Tensor, Tensor, Tensor, Tensor> composite_backward_op(
     const Tensor& means2d, const Tensor& factors, const Tensor& screen, const Tensor& opacities,
     const Tensor& features, std::int64_t feature_columns) {
   Frame& frame = *handle->frame;
-  const Splats splats = splats_from(means2d, factors, screen, features);
+  const Projected projected = projected_from(means2d, factors, screen, features);
   Tensor grad_means2d = at::zeros_like(means2d), grad_factors = at::zeros_like(factors);
   Tensor grad_opacities = at::zeros_like(opacities);
   Tensor grad_features = at::zeros_like(features);
   const SplatGradient result{grad_means2d.data_ptr<float>(), grad_factors.data_ptr<float>(),
                              grad_opacities.data_ptr<float>(), grad_features.data_ptr<float>(),
                              static_cast<int>(feature_columns)};
-  for (int first = 0; first < splats.channels; first += kMaxChannels) {
-    const ChannelPass pass = pass_from(splats.channels, first);
-    if (splats.channels > kMaxChannels) fill_rows(frame, splats, first, pass.used, pass.width);
+  for (int first = 0; first < projected.channels; first += kMaxChannels) {
+    const ChannelPass pass = pass_from(projected.channels, first);
+    if (projected.channels > kMaxChannels) {
+      fill_rows(frame, projected, first, pass.used, pass.width);
+    }
     const bool with_alpha = grad_alpha && first == 0;
     composite_backward(frame, pass,
                        {grad_image.const_data_ptr<float>(),
@@ -146,11 +151,29 @@ Tensor background_gradient_op(const Tensor& grad_image, const Tensor& alpha) {
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
   library.class_<FrameHandle>("Frame");
-  library.def("project", &project_op);
-  library.def("project_backward", &project_backward_op);
-  library.def("composite", &composite_op);
-  library.def("composite_backward", &composite_backward_op);
-  library.def("background_gradient", &background_gradient_op);
+  library.def(
+      "project(Tensor means, Tensor quaternions, Tensor scales, Tensor opacities, "
+      "Tensor cam_from_world, float[] intrinsics, int width, int height) -> "
+      "(Tensor, Tensor, Tensor, Tensor)");
+  library.def(
+      "project_backward(Tensor grad_means2d, Tensor grad_factors, Tensor means, "
+      "Tensor quaternions, Tensor scales, Tensor radii, Tensor cam_from_world, "
+      "float[] intrinsics, int width, int height) -> (Tensor, Tensor, Tensor)");
+  library.def(
+      "composite(Tensor means2d, Tensor factors, Tensor screen, Tensor radii, Tensor features, "
+      "Tensor? background, int width, int height) -> "
+      "(Tensor, Tensor, __torch__.torch.classes.r3gw.Frame)");
+  library.def(
+      "composite_backward(__torch__.torch.classes.r3gw.Frame frame, Tensor grad_image, "
+      "Tensor? grad_alpha, Tensor image, Tensor alpha, Tensor means2d, Tensor factors, "
+      "Tensor screen, Tensor opacities, Tensor features, int feature_columns) -> "
+      "(Tensor, Tensor, Tensor, Tensor)");
+}
+TORCH_LIBRARY_IMPL(r3gw, CPU, library) {
+  library.impl("project", &project_op);
+  library.impl("project_backward", &project_backward_op);
+  library.impl("composite", &composite_op);
+  library.impl("composite_backward", &composite_backward_op);
 }
 
 }  // namespace r3gw

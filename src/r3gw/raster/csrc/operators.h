@@ -1,7 +1,7 @@
 // The rasterizer's kernels as functions of tensors, none of which records a gradient.
 #pragma once
 
-#include <ATen/ATen.h>
+#include <ATen/core/Tensor.h>
 #include <torch/custom_class.h>
 
 #include <optional>

@@ -29,15 +29,15 @@ void tile_range(float centre, float half, int tiles, std::uint16_t& begin, std::
   end = static_cast<std::uint16_t>(std::clamp(high, 0.0f, limit));
 }
 
-void fill_rects(Frame& frame, const Splats& splats) {
+void fill_rects(Frame& frame, const Projected& projected) {
   frame.rects.resize(frame.visible);
   frame.first_cell.resize(frame.visible + 1);
   const int parts = parts_for(frame.visible, kRanksPerPart);
   parallel_parts(frame.visible, parts, [&](auto begin, auto end, int) {
     for (std::int64_t rank = begin; rank < end; ++rank) {
       const std::int64_t i = frame.order[rank].index;
-      const float* mean = splats.means2d + 2 * i;
-      const float* screen = splats.screen + kScreenColumns * i;
+      const float* mean = projected.means2d + 2 * i;
+      const float* screen = projected.screen + kScreenColumns * i;
       TileRect& rect = frame.rects[rank];
       tile_range(mean[0], screen[kHalfWidth], frame.tiles_x, rect.left, rect.right);
       tile_range(mean[1], screen[kHalfHeight], frame.tiles_y, rect.top, rect.bottom);
@@ -151,37 +151,37 @@ void fill_entries(Frame& frame, int parts) {
   });
 }
 
-// Splats are read in the order of their depth, which is none in memory.
-void fetch_splat(const Splats& splats, std::int64_t i) {
-  __builtin_prefetch(splats.means2d + 2 * i);
-  __builtin_prefetch(splats.factors + 3 * i);
-  __builtin_prefetch(splats.screen + kScreenColumns * i);
-  __builtin_prefetch(splats.features + i * splats.channels);
+// Arrays are read in the order of their depth, which is none in memory.
+void fetch_splat(const Projected& projected, std::int64_t i) {
+  __builtin_prefetch(projected.means2d + 2 * i);
+  __builtin_prefetch(projected.factors + 3 * i);
+  __builtin_prefetch(projected.screen + kScreenColumns * i);
+  __builtin_prefetch(projected.features + i * projected.channels);
 }
 
 }  // namespace
 
-void fill_rows(Frame& frame, const Splats& splats, int first, int used, int width) {
+void fill_rows(Frame& frame, const Projected& projected, int first, int used, int width) {
   const int stride = row_stride(width);
   frame.rows.resize(frame.visible * stride);
   const int parts = parts_for(frame.visible, kRanksPerPart);
   parallel_parts(frame.visible, parts, [&](auto begin, auto end, int) {
     for (std::int64_t rank = begin; rank < end; ++rank) {
       const std::int64_t i = frame.order[rank].index;
-      fetch_splat(splats, frame.order[std::min(rank + kRanksAhead, end - 1)].index);
+      fetch_splat(projected, frame.order[std::min(rank + kRanksAhead, end - 1)].index);
       float* row = frame.rows.data() + rank * stride;
-      std::copy_n(splats.means2d + 2 * i, 2, row + kMeanX);
-      std::copy_n(splats.factors + 3 * i, 3, row + kFactorA);
-      row[kSplatLog2Opacity] = splats.screen[kScreenColumns * i + kLog2Opacity];
+      std::copy_n(projected.means2d + 2 * i, 2, row + kMeanX);
+      std::copy_n(projected.factors + 3 * i, 3, row + kFactorA);
+      row[kSplatLog2Opacity] = projected.screen[kScreenColumns * i + kLog2Opacity];
       float* features =
-          std::copy_n(splats.features + i * splats.channels + first, used, row + kSplatHead);
+          std::copy_n(projected.features + i * projected.channels + first, used, row + kSplatHead);
       std::fill(features, row + stride, 0.0f);
     }
   });
 }
 
-void fill_tile_lists(Frame& frame, const Splats& splats, int width) {
-  fill_rects(frame, splats);
+void fill_tile_lists(Frame& frame, const Projected& projected, int width) {
+  fill_rects(frame, projected);
   const std::int64_t cells = frame.first_cell[frame.visible];
   if (cells > std::numeric_limits<std::uint32_t>::max()) {
     throw std::length_error("the Gaussians cover too many tiles: " + std::to_string(cells));

@@ -6,7 +6,7 @@
 namespace r3gw {
 
 // Per-Gaussian arrays that the compositing reads, all by original index.
-struct Splats {
+struct Projected {
   const float* means2d;   // [N,2]
   const float* factors;   // [N,3]
   const float* screen;    // [N,4]
@@ -15,10 +15,10 @@ struct Splats {
 };
 
 // Fills frame.rows for feature channels [first, first + used), padded with zeros to `width`.
-void fill_rows(Frame& frame, const Splats& splats, int first, int used, int width);
+void fill_rows(Frame& frame, const Projected& projected, int first, int used, int width);
 
 // Fills rects, cells and entries from frame.order, the splats and rows of `width`. Throws
 // std::length_error where the lists outgrow 32-bit positions.
-void fill_tile_lists(Frame& frame, const Splats& splats, int width);
+void fill_tile_lists(Frame& frame, const Projected& projected, int width);
 
 }  // namespace r3gw

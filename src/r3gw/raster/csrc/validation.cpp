@@ -1,5 +1,5 @@
-// Whether a rasterization's parameters are usable, in one pass; and how many of a tensor's are not.
-#include <ATen/ATen.h>
+// Registers torch.ops.r3gw.is_usable: whether a rasterization's parameters are usable, in one pass.
+#include <ATen/core/Tensor.h>
 #include <torch/library.h>
 
 #include <algorithm>
@@ -17,28 +17,7 @@ constexpr std::int64_t kRowsPerPart = 8192, kMaxSide = 1 << 16;
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kSmallestNormal = std::numeric_limits<float>::min();
 
-// Number of values outside [low, high]; NaN counts as outside.
-std::int64_t count_outside(const at::Tensor& values, double low, double high) {
-  const float* data = values.const_data_ptr<float>();
-  const auto least = static_cast<float>(low), most = static_cast<float>(high);
-  std::int64_t count = 0;
-  for (std::int64_t i = 0; i < values.numel(); ++i) {
-    count += !(data[i] >= least) | !(data[i] <= most);
-  }
-  return count;
-}
-
-// Rows of [N,4] whose squared length is not a normal positive float.
-std::int64_t count_zero_quaternions(const at::Tensor& quaternions) {
-  const float* data = quaternions.const_data_ptr<float>();
-  std::int64_t count = 0;
-  for (std::int64_t i = 0; i < quaternions.size(0); ++i) {
-    const float* q = data + 4 * i;
-    count += !(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] >= kSmallestNormal);
-  }
-  return count;
-}
-
+// False where a value is NaN.
 bool all_inside(const float* values, std::int64_t begin, std::int64_t end, float low, float high) {
   int outside = 0;
   for (std::int64_t i = begin; i < end; ++i) {
@@ -47,6 +26,7 @@ bool all_inside(const float* values, std::int64_t begin, std::int64_t end, float
   return outside == 0;
 }
 
+// False where the squared length of a quaternion is not a normal positive float.
 bool all_turned(const float* quaternions, std::int64_t begin, std::int64_t end) {
   IntLanes bad{};
   for (std::int64_t first = begin; first < end; first += kLanes) {
@@ -110,9 +90,14 @@ bool is_usable(const at::Tensor& means, const at::Tensor& quaternions, const at:
 }  // namespace
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
-  library.def("count_outside", &count_outside);
-  library.def("count_zero_quaternions", &count_zero_quaternions);
-  library.def("is_usable", &is_usable);
+  library.def(
+      "is_usable(Tensor means, Tensor quaternions, Tensor scales, Tensor opacities, "
+      "Tensor features, Tensor? background, Tensor cam_from_world, float[] intrinsics, int width, "
+      "int height) -> bool");
+}
+TORCH_LIBRARY_IMPL(r3gw, CPU, library) { library.impl("is_usable", &is_usable); }
+TORCH_LIBRARY_IMPL(r3gw, Autograd, library) {
+  library.impl("is_usable", torch::CppFunction::makeFallthrough());
 }
 
 }  // namespace r3gw

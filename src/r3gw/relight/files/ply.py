@@ -21,19 +21,26 @@ from r3gw.files import InputError
 from r3gw.files.ply import read_vertices, write_vertices
 from r3gw.files.strict import Strict, validated
 from r3gw.geometry.similarity import Similarity
+from r3gw.model.attributes import (
+    LOG_SCALES,
+    MATERIALS,
+    MEANS,
+    OPACITY,
+    QUATERNIONS,
+    Attribute,
+)
 from r3gw.relight.files.lights_file import HIGHEST_DEGREE, read_lights
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.move import moved
 from r3gw.scene.scene import Gauge
 
 Y_00 = 0.28209479
-POSITION, NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
+POSITION, NORMAL = MEANS.columns, ("nx", "ny", "nz")
 COLOUR = ("f_dc_0", "f_dc_1", "f_dc_2")
-SCALE = ("scale_0", "scale_1", "scale_2")
-ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")
-STANDARD = (*POSITION, *NORMAL, *COLOUR, "opacity", *SCALE, *ROTATION)
-ALBEDO = ("albedo_0", "albedo_1", "albedo_2")
-RELIGHTABLE = (*ALBEDO, "roughness", "is_sky")  # is_sky is an unsigned byte
+SCALE, ROTATION = LOG_SCALES.columns, QUATERNIONS.columns
+STANDARD = (*POSITION, *NORMAL, *COLOUR, *OPACITY.columns, *SCALE, *ROTATION)
+MATERIAL = tuple(column for material in MATERIALS.values() for column in material.columns)
+RELIGHTABLE = (*MATERIAL, "is_sky")  # is_sky is an unsigned byte
 OCCLUSION = "occlusion_"  # and a number: SH transfer, where the scene models shadows
 
 COMMENT = "r3gw "
@@ -89,16 +96,15 @@ def write_ply(
     _fill(rows, POSITION, gaussians.means)
     _fill(rows, NORMAL, baked.normals)
     _fill(rows, COLOUR, (baked.colours - 0.5) / Y_00)
-    _fill(rows, ("opacity",), gaussians.opacity_logits[:, None])
+    _fill(rows, OPACITY.columns, gaussians.opacity_logits)
     _fill(rows, SCALE, gaussians.log_scales)
     _fill(rows, ROTATION, gaussians.quaternions)
     if relightable:
-        padding = (0, 0, 0, gaussians.num_sky)
-        _fill(rows, ALBEDO, torch.nn.functional.pad(gaussians.albedo, padding))
-        _fill(rows, ("roughness",), torch.nn.functional.pad(gaussians.roughness[:, None], padding))
+        for name, material in MATERIALS.items():
+            _fill(rows, material.columns, getattr(gaussians, name))
         rows["is_sky"] = np.arange(len(rows)) >= gaussians.num_foreground
         if shadows is not None:
-            _fill(rows, transfer, torch.nn.functional.pad(shadows, padding))
+            _fill(rows, transfer, shadows)
     facts = {
         "coordinates": placement.coordinates,
         "scene_from_source": Gauge.of(placement.scene_from_source).model_dump(mode="json"),
@@ -121,7 +127,7 @@ def read_ply(path: Path) -> Relightable:
     rows, facts = _parsed(path)
     names = rows.dtype.names or ()
     transfer = _occlusion_names(sum(name.startswith(OCCLUSION) for name in names))
-    needed = (*POSITION, *ROTATION, *SCALE, "opacity", *RELIGHTABLE, *transfer)
+    needed = (*POSITION, *ROTATION, *SCALE, *OPACITY.columns, *RELIGHTABLE, *transfer)
     if lacking := [name for name in needed if name not in names]:
         raise InputError(
             f"{path}: no relightable scene (it lacks r3gw's property {lacking[0]}); "
@@ -149,17 +155,16 @@ def read_ply(path: Path) -> Relightable:
                 "lights.json beside it has another; export the scene again"
             )
     gaussians = Relightable(
-        _columns(rows, POSITION),
-        _columns(rows, ROTATION),
-        _columns(rows, SCALE),
-        _columns(rows, ("opacity",))[:, 0],
-        _columns(rows, ALBEDO)[:count],
-        _columns(rows, ("roughness",))[:count, 0],
-        lights,
-        facts.light_degree,
-        facts.with_specular,
-        _columns(rows, transfer)[:count] if transfer else None,
-        str(path),
+        means=_attribute(rows, MEANS),
+        quaternions=_attribute(rows, QUATERNIONS),
+        log_scales=_attribute(rows, LOG_SCALES),
+        opacity_logits=_attribute(rows, OPACITY),
+        **{name: _attribute(rows[:count], each) for name, each in MATERIALS.items()},
+        lights=lights,
+        light_degree=facts.light_degree,
+        with_specular=facts.with_specular,
+        occlusion=_columns(rows[:count], transfer) if transfer else None,
+        origin=str(path),
     )
     if facts.coordinates == "scene":
         return gaussians
@@ -170,9 +175,16 @@ def _occlusion_names(count: int) -> tuple[str, ...]:
     return tuple(f"{OCCLUSION}{i}" for i in range(count))
 
 
-def _fill(rows: NDArray[Any], names: tuple[str, ...], values: Float[Tensor, "n c"]) -> None:
-    for name, column in zip(names, values.detach().numpy().T, strict=True):
-        rows[name] = column
+def _fill(rows: NDArray[Any], names: tuple[str, ...], values: Float[Tensor, "n ..."]) -> None:
+    """Write values of all Gaussians, or of the foreground alone; the sky's are then 0."""
+    columns = values.detach().numpy().reshape(len(values), len(names)).T
+    for name, column in zip(names, columns, strict=True):
+        rows[name] = 0
+        rows[name][: len(column)] = column
+
+
+def _attribute(rows: NDArray[Any], attribute: Attribute) -> Float[Tensor, "n ..."]:
+    return _columns(rows, attribute.columns).reshape(len(rows), *attribute.shape)
 
 
 def _columns(rows: NDArray[Any], names: tuple[str, ...]) -> Float[Tensor, "n c"]:

@@ -1,10 +1,10 @@
 // Foreground Gaussians: activations, the normal (the shortest axis, turned to the camera), shading
 // and the display curve, sixteen at a time. The backward pass computes all of it again, which is
 // cheaper than to remember it.
-#include "rendering/csrc/activations.h"
-#include "rendering/csrc/splats.h"
 #include "native/csrc/quaternion.h"
+#include "rendering/csrc/activations.h"
 #include "rendering/csrc/shade.h"
+#include "rendering/csrc/splats.h"
 
 namespace r3gw {
 namespace {
@@ -91,9 +91,9 @@ void write_sixteen(const Foreground& f, const View& view, std::int64_t first, in
   }
   const Lanes depth = view.depth_axis[0] * g.mean[0] + view.depth_axis[1] * g.mean[1] +
                       view.depth_axis[2] * g.mean[2] + view.depth_offset;
-  features[kCameraDepth] = depth;
-  features[kForegroundSum] = features[0] + features[1] + features[2];
-  features[kSkySum] = Lanes{};
+  features[kDepth] = depth;
+  features[kForeground] = f.layers == Layers::kOpacity ? splat(1.0f) : sum_of_colours(features);
+  features[kSky] = Lanes{};
   store_rows(splats.means, first, count, g.mean);
   store_rows(splats.scales, first, count, g.scale);
   store_rows(splats.quaternions, first, count, stored_quaternion);
@@ -127,7 +127,7 @@ void sixteen_backward(const Foreground& f, const View& view, const SplatRows<con
   load_rows(gradient.scales, first, count, scale);
   load_rows(gradient.quaternions, first, count, quaternion);
   load_rows(gradient.features, first, count, features);
-  const Lanes to_depth = features[kCameraDepth] + load_row(gradient.depths, first, count);
+  const Lanes to_depth = features[kDepth] + load_row(gradient.depths, first, count);
   const Lanes to_smallest = load_row(gradient.smallest, first, count);
 
   shade<Degree>(g.surface, {f.light, f.table}, linear);

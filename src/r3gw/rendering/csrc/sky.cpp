@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "rendering/csrc/activations.h"
-#include "rendering/csrc/splats.h"
 #include "rendering/csrc/sh_basis.h"
+#include "rendering/csrc/splats.h"
 
 namespace r3gw {
 namespace {
@@ -76,8 +76,8 @@ void write_sixteen(const Sky& sky, const View& view, std::int64_t at, std::int64
   }
   const Lanes depth = view.depth_axis[0] * g.mean[0] + view.depth_axis[1] * g.mean[1] +
                       view.depth_axis[2] * g.mean[2] + view.depth_offset;
-  features[kCameraDepth] = depth;
-  features[kSkySum] = features[0] + features[1] + features[2];
+  features[kDepth] = depth;
+  features[kSky] = sky.layers == Layers::kOpacity ? splat(1.0f) : sum_of_colours(features);
   load_rows(sky.quaternions, at, count, quaternion);
   store_rows(splats.means, first + at, count, g.mean);
   store_rows(splats.scales, first + at, count, g.scale);
@@ -110,7 +110,7 @@ void sixteen_backward(const Sky& sky, const View& view, std::int64_t offset, std
   load_rows(gradient.scales, first, count, scale);
   load_rows(gradient.quaternions, first, count, quaternion);
   load_rows(gradient.features, first, count, features);
-  const Lanes to_depth = features[kCameraDepth] + load_row(gradient.depths, first, count);
+  const Lanes to_depth = features[kDepth] + load_row(gradient.depths, first, count);
   for (int i = 0; i < 3; ++i) {
     mean[i] += to_depth * view.depth_axis[i];
     scale[i] *= g.scale[i];

@@ -7,18 +7,9 @@
 #include <vector>
 
 #include "native/csrc/rows.h"
+#include "rendering/csrc/channels.h"
 
 namespace r3gw {
-
-// Columns of the features; r3gw.rendering.compose names them too.
-enum FeatureColumn {
-  kColour = 0,
-  kCameraDepth = 3,
-  kNormal = 4,
-  kForegroundSum = 7,
-  kSkySum = 8,
-  kFeatures = 9
-};
 
 struct View {
   float centre[3];      // Camera position, world.
@@ -33,7 +24,7 @@ struct SplatRows {
   T* quaternions;  // [N,4]
   T* scales;       // [N,3]
   T* opacities;    // [N]
-  T* features;     // [N,kFeatures]; of the gradient the last two columns are not read
+  T* features;     // [N,kFeatures]; of the gradient only the learned columns are read
   T* depths;       // [N] camera z again, for the sky-depth loss
   T* smallest;     // [F] smallest scale, for the flatness loss
 };
@@ -45,6 +36,7 @@ struct Foreground {
   int light_count;     // 9 or 25
   const float* table;  // [256,256,2]; null: no specular
   const float* shadow; // [count,3] change of the irradiance by what is blocked; null: none
+  Layers layers;
 };
 
 struct ForegroundGradient {
@@ -58,6 +50,7 @@ struct Sky {
   const float *angles, *log_scales, *quaternions, *opacity_logits;
   const float *centre, *radius;  // [3], [1]
   const float* light;            // [4,3]; null: a white sky
+  Layers layers;
 };
 
 struct SkyGradient {
@@ -70,8 +63,12 @@ void foreground_backward(const Foreground&, const View&, const SplatRows<const f
 
 // The first sky row is row `first` of the arrays.
 void sky_splats(const Sky&, const View&, std::int64_t first, const SplatRows<float>&);
-void sky_backward(const Sky&, const View&, std::int64_t first, const SplatRows<const float>& gradient,
-                  const SkyGradient& result);
+void sky_backward(const Sky&, const View&, std::int64_t first,
+                  const SplatRows<const float>& gradient, const SkyGradient& result);
+
+R3GW_INLINE Lanes sum_of_colours(const Lanes (&features)[kFeatures]) {
+  return features[kColour] + features[kColour + 1] + features[kColour + 2];
+}
 
 // Sums over Gaussians that do not depend on the number of threads: lanes, then runs, in order.
 class RunSums {

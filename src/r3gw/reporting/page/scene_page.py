@@ -36,10 +36,18 @@ Page = dict[str, Any]
 
 @dataclass(frozen=True)
 class SceneFolders:
-    """Where a scene and its runs are: ``root``/{scene,masks,initial.npz,<variant>/seed<k>}."""
+    """Where a scene and its runs are: ``root``/{scene,masks,initial.npz,<variant>/seed<k>}.
+
+    Attributes:
+        root: Folder of the scene.
+        runs: Folders of the runs to show, the main one first.
+        page: Address of the page that relights the scene, from the report's folder; None if there
+            is none.
+    """
 
     root: Path
     runs: tuple[Path, ...]
+    page: str | None = None
 
 
 def scene_page(folders: SceneFolders) -> Page:
@@ -63,8 +71,9 @@ def scene_page(folders: SceneFolders) -> Page:
         "initial": figure_uri(initial_figure(scene, points, folders.root / "initial.npz")),
         "lights": _lights(main, scene, folder),
         "parts": [_parts(main, view, folder) for view in shown[:NUM_DECOMPOSED]],
-        "turned": _turned(main),
+        "page": folders.page,
         "relit": _relit(main),
+        "relit_views": list(main.relit.views),
         "training": plot_uri(training_plot(runs)),
         "sweep": plot_uri(sweep_plot(main)) if is_swept(main) else None,
         "settings": _settings(folders.runs, runs),
@@ -144,20 +153,6 @@ def _parts(run: Run, view: View, folder: Path) -> Page:
         beneath = None if true is None else picture_uri(true, VIEW_PX)
         cells.append({"title": title, "uri": uri, "truth": beneath})
     return {"name": view.name, "cells": cells}
-
-
-def _turned(run: Run) -> Page:
-    """Frames of the slider: every view and the map at every turn."""
-    relit = run.relit
-    frames = [
-        {
-            "yaw_deg": yaw,
-            "map": picture_uri(relit.turned_map(yaw), LIGHT_PX),
-            "views": [picture_uri(relit.turned(view, yaw), VIEW_PX) for view in relit.views],
-        }
-        for yaw in relit.yaws_deg
-    ]
-    return {"map": relit.map_name, "views": list(relit.views), "frames": frames}
 
 
 def _relit(run: Run) -> list[Page]:

@@ -41,8 +41,8 @@ def cost(metrics_files: Sequence[Path], target: Path) -> None:
     rows = []
     for run in load_runs(metrics_files):
         figures: Row = {
-            "training_minutes": float(run.provenance["training_seconds"]) / SECONDS_PER_MINUTE,
-            "training_peak_rss_mb": float(run.provenance["peak_rss_mb"]),
+            "training_minutes": run.cost["training_seconds"] / SECONDS_PER_MINUTE,
+            "training_peak_rss_mb": run.cost["training_peak_rss_mb"],
             "num_gaussians": run.num_gaussians,
             "num_foreground": int(run.provenance["num_foreground"]),
             "num_sky": int(run.provenance["num_sky"]),
@@ -86,5 +86,6 @@ def _write_per_run(runs: Sequence[Run], figures: Sequence[str], target: Path) ->
     for run in runs:
         row = _key(run)
         row |= {figure: run.figures.get(figure, float("nan")) for figure in present}
-        rows.append(row | {k: v for k, v in run.provenance.items() if k not in row})
+        single = {k: v for k, v in run.provenance.items() if not isinstance(v, dict | list)}
+        rows.append(row | {k: v for k, v in single.items() if k not in row})
     write_csv(pd.DataFrame(rows), target)

@@ -8,6 +8,7 @@ trained.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import fmean
 
 import pandas as pd
 
@@ -121,7 +122,7 @@ def _row(runs: Sequence[Run], variant: str, baseline: str, change: str) -> Row:
     own, base = of_variant(runs, variant), of_variant(runs, baseline)
     source = provenance(own)
     row: Row = {"variant": variant, "change": change}
-    row["training_seconds_mean"] = source["training_seconds_mean"]
+    row["training_seconds_mean"] = fmean(run.cost["training_seconds"] for run in own)
     for figure in compared_figures():
         name = figure.column
         if not (scenes := scenes_with(runs, name)):
@@ -131,6 +132,7 @@ def _row(runs: Sequence[Run], variant: str, baseline: str, change: str) -> Row:
         row[f"{name}_std_avg"] = spread_of_average(own, name, scenes)
         if figure.has_gain:
             row[f"gain_{name}_avg"] = mean - reference
+    row["peak_rss_mb_max"] = max(run.cost["training_peak_rss_mb"] for run in own)
     return row | {"num_gaussians_mean": source["num_gaussians_mean"]} | source
 
 

@@ -1,5 +1,5 @@
 // Registers torch.ops.r3gw.adam_step; r3gw.training.optimizer says what it takes.
-#include <ATen/ATen.h>
+#include <ATen/core/Tensor.h>
 #include <torch/library.h>
 
 #include <algorithm>
@@ -85,8 +85,12 @@ void adam_step(at::TensorList values, at::TensorList means, at::TensorList squar
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
   library.def("adam_step(Tensor(a!)[] values, Tensor(b!)[] means, Tensor(c!)[] squares, "
-              "Tensor(d!)[] steps, float[] rates, float beta1, float beta2, float epsilon) -> ()",
-              &adam_step);
+              "Tensor(d!)[] steps, float[] rates, float beta1, float beta2, float epsilon) -> ()");
+}
+TORCH_LIBRARY_IMPL(r3gw, CPU, library) { library.impl("adam_step", &adam_step); }
+// Records nothing, though the values require gradients.
+TORCH_LIBRARY_IMPL(r3gw, Autograd, library) {
+  library.impl("adam_step", torch::CppFunction::makeFallthrough());
 }
 
 }  // namespace r3gw

@@ -1,5 +1,5 @@
 // Registers torch.ops.r3gw.add_gradient_norms, which feeds density control.
-#include <ATen/ATen.h>
+#include <ATen/core/Tensor.h>
 #include <torch/library.h>
 
 #include "native/csrc/rows.h"
@@ -35,8 +35,10 @@ void add_gradient_norms(const at::Tensor& totals, const at::Tensor& views,
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
   library.def("add_gradient_norms(Tensor(a!) totals, Tensor(b!) views, Tensor gradient, "
-              "Tensor radii, float x, float y) -> ()",
-              &add_gradient_norms);
+              "Tensor radii, float x, float y) -> ()");
+}
+TORCH_LIBRARY_IMPL(r3gw, CPU, library) {
+  library.impl("add_gradient_norms", &add_gradient_norms);
 }
 
 }  // namespace r3gw

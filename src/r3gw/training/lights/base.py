@@ -4,24 +4,21 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import torch
-from jaxtyping import Float
-from torch import Tensor
 
 from r3gw.model.appearance import PhotoLight
-from r3gw.training.losses.known_gradient import KnownLoss
+from r3gw.training.losses.weighted import Weighted
 from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
 from r3gw.training.visible_sky import VisibleSky
 
 Seen = Sequence[Sequence[VisibleSky]]
-Loss = KnownLoss | Float[Tensor, ""]
 
 
 class NamedLoss(NamedTuple):
     """A weighted loss and its column in history.csv."""
 
     name: str
-    loss: Loss
+    loss: Weighted
 
 
 class LightTraining:

@@ -8,8 +8,8 @@ from r3gw.lighting import sh
 from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.free import FreeLight
 from r3gw.training.lights.base import LightTraining, NamedLoss
+from r3gw.training.losses.choice import FORMS
 from r3gw.training.losses.lighting import random_directions
-from r3gw.training.losses.regularisers import positivity_loss
 from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
 
@@ -30,6 +30,7 @@ class FreeTraining(LightTraining):
         generator: torch.Generator,
     ) -> Iterator[NamedLoss]:
         """Light is nowhere negative, in random directions."""
-        weights = settings.weights
+        weights, losses = settings.weights, FORMS[settings.losses]
         directions = random_directions(weights.light_directions, weights.light_domain, generator)
-        yield NamedLoss("light", positivity_loss(lit.light, directions, weights.light))
+        loss = losses.positivity(lit.light, directions.to(lit.light), weights.light)
+        yield NamedLoss("light", loss)

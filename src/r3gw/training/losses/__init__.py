@@ -1,5 +1,5 @@
-"""The losses of the paper (Eq. 12-17).
+"""The losses of the paper (Eq. 12 to 17) and ours: defined in plain torch, fused for speed.
 
-`picture` and `regularisers` are the kernels that training uses; the other modules define the losses
-in plain torch, and tests hold the kernels against them.
+`reconstruction`, `geometry`, `separation` and `lighting` define them; `forms` says how training
+chooses between the plain and the fused form.
 """

@@ -16,11 +16,11 @@ def normals_from_depth(depth: Float[Tensor, "h w"], camera: Camera) -> Float[Ten
         depth: Camera z, world units.
         camera: The view; its true intrinsics are used.
     """
-    points = pixel_rays(camera) * depth[..., None]
+    points = pixel_rays(camera).to(depth.device) * depth[..., None]
     down, right = torch.gradient(points, dim=(0, 1))
     # In camera axes (y down, z forward) down x right points back at the camera.
     normals = torch.nn.functional.normalize(torch.cross(down, right, dim=-1), dim=-1, eps=1e-12)
-    world_from_cam = camera.cam_from_world[:3, :3].T.to(normals.dtype)
+    world_from_cam = camera.cam_from_world[:3, :3].T.to(normals)
     return normals @ world_from_cam.T
 
 
@@ -34,9 +34,8 @@ def normal_loss(
     return torch.where(is_foreground, mismatch, 0.0).sum() / is_foreground.sum().clamp_min(1)
 
 
-def scale_loss(
-    log_scales: Float[Tensor, "n 3"], is_visible: Bool[Tensor, "n"]
+def flatness_loss(
+    smallest_scales: Float[Tensor, "n"], is_visible: Bool[Tensor, "n"]
 ) -> Float[Tensor, ""]:
     """Mean smallest scale of the visible foreground, world units; 0 if nothing is visible."""
-    smallest = log_scales.exp().amin(dim=-1)
-    return torch.where(is_visible, smallest, 0.0).sum() / is_visible.sum().clamp_min(1)
+    return torch.where(is_visible, smallest_scales, 0.0).sum() / is_visible.sum().clamp_min(1)

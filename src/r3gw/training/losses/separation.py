@@ -34,10 +34,10 @@ def silhouette_loss(
     both sets along the outline, and the black behind them shows (docs/studies.md).
 
     Args:
-        opacity: That the foreground contributes.
+        opacity: What the foreground contributes to the opacity.
         is_sky: True on sky pixels.
         is_valid: False on occluders.
-        solid: Weight of what it lets through.
+        solid: Weight of what the foreground lets through where it belongs.
     """
     wrong = torch.where(is_sky, opacity, solid * (1 - opacity))
     return torch.where(is_valid, wrong, 0.0).sum() / is_valid.sum().clamp_min(1)

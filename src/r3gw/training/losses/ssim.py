@@ -35,7 +35,7 @@ def mean_ssim(
 
 
 def _blur(images: Float[Tensor, "c 1 h w"]) -> Float[Tensor, "c 1 h w"]:
-    offsets = torch.arange(WINDOW_PX, dtype=images.dtype) - WINDOW_PX // 2
+    offsets = torch.arange(WINDOW_PX, dtype=images.dtype, device=images.device) - WINDOW_PX // 2
     kernel = torch.exp(-0.5 * (offsets / SIGMA_PX) ** 2)
     kernel = kernel / kernel.sum()
     half = WINDOW_PX // 2

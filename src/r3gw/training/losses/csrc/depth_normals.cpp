@@ -1,5 +1,5 @@
-// Normal consistency (Eq. 13) with its gradient in one sweep; r3gw.training.losses.geometry is the plain
-// form.
+// Normal consistency (Eq. 13) with its gradient in one sweep; the plain form is
+// r3gw.training.losses.geometry.
 //
 // Points are P = ray * depth in the camera frame. Central differences down and along the picture
 // (one-sided at its border) span the surface, their cross product is its normal n. Gradients of the

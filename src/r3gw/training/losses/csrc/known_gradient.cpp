@@ -1,6 +1,7 @@
 // Registers torch.ops.r3gw.known_gradient, which torch differentiates: a number whose gradients by
 // some tensors are known.
-#include <ATen/ATen.h>
+#include <ATen/core/Tensor.h>
+#include <ATen/ops/scalar_tensor.h>
 #include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
 
@@ -28,7 +29,7 @@ struct KnownGradient : torch::autograd::Function<KnownGradient> {
     const auto factor = gradients[0].item<float>();
     // A loss that is not multiplied any more has gradient 1: nothing to multiply.
     if (factor != 1.0f) {
-      for (Tensor& gradient : result) gradient = factor * gradient;
+      for (Tensor& gradient : result) gradient = gradient.mul(factor);
     }
     result.insert(result.begin(), Tensor());
     return result;
@@ -41,6 +42,10 @@ Tensor known_gradient(double value, at::TensorList gradients, at::TensorList inp
 
 }  // namespace
 
-TORCH_LIBRARY_FRAGMENT(r3gw, library) { library.def("known_gradient", &known_gradient); }
+// For every device: nothing here reads a tensor's memory.
+TORCH_LIBRARY_FRAGMENT(r3gw, library) {
+  library.def("known_gradient(float value, Tensor[] gradients, Tensor[] inputs) -> Tensor",
+              &known_gradient);
+}
 
 }  // namespace r3gw

@@ -1,4 +1,4 @@
-// The losses of one picture and their gradients; r3gw.training.losses.picture says what they are.
+// The losses of one picture and their gradients; r3gw.training.losses.forms says what they are.
 //
 // Planes are [H,W], one after the other. Row ranges [begin, end) are independent of each other: the
 // bytes of a result do not depend on how a picture is cut into ranges.

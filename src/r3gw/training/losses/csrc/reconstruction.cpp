@@ -1,4 +1,5 @@
-// Masked L1 and SSIM with their gradient in one sweep; r3gw.training.losses.reconstruction is the plain form.
+// Masked L1 and SSIM with their gradient in one sweep; the plain form is
+// r3gw.training.losses.reconstruction.
 //
 // With B the window's blur, m the mask and Z = B(m), the local moments are B(m x) / Z. The
 // derivatives D of the similarity by the moments, times m / Z, are blurred once more (the window

@@ -1,14 +1,16 @@
 // Losses of the light and of the Gaussians themselves, with the gradients of their weighted values.
 // Sums have an order that no number of threads changes.
-#include <ATen/ATen.h>
+#include <ATen/core/Tensor.h>
+#include <ATen/ops/empty_like.h>
+#include <ATen/ops/zeros_like.h>
 #include <torch/library.h>
 
 #include <cmath>
 #include <tuple>
 #include <vector>
 
-#include "rendering/csrc/sh_basis.h"
 #include "native/csrc/rows.h"
+#include "rendering/csrc/sh_basis.h"
 
 namespace r3gw {
 namespace {
@@ -131,9 +133,16 @@ std::tuple<double, Tensor> sky_depth_op(const Tensor& depths, const Tensor& radi
 }  // namespace
 
 TORCH_LIBRARY_FRAGMENT(r3gw, library) {
-  library.def("positivity", &positivity_op);
-  library.def("flatness", &flatness_op);
-  library.def("sky_depth", &sky_depth_op);
+  library.def("positivity(Tensor light, Tensor directions, float weight) -> (float, Tensor)");
+  library.def("flatness(Tensor smallest, Tensor radii, float weight) -> (float, Tensor)");
+  library.def(
+      "sky_depth(Tensor depths, Tensor radii, int num_foreground, float gamma, float weight) -> "
+      "(float, Tensor)");
+}
+TORCH_LIBRARY_IMPL(r3gw, CPU, library) {
+  library.impl("positivity", &positivity_op);
+  library.impl("flatness", &flatness_op);
+  library.impl("sky_depth", &sky_depth_op);
 }
 
 }  // namespace r3gw

@@ -1,0 +1,103 @@
+"""Which photos see which points of a scene's surfaces, for the page's line about coverage."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import torch
+from jaxtyping import Bool, Float
+from torch import Tensor
+
+from r3gw.geometry.cameras import Camera
+from r3gw.raster import rasterize
+from r3gw.relight.gaussians import Relightable
+
+MOST_POINTS = 1500
+DEPTH_TOLERANCE = 0.05  # a point is seen if it lies at most this share behind the picture's depth
+SMALLEST_ALPHA = 1e-3
+LONGEST_SIDE_PX = 320
+SEED = 0
+
+
+@torch.no_grad()
+def coverage(splats: Relightable, cameras: Sequence[Camera]) -> dict[str, Any] | None:
+    """Points and the indices of the cameras that see each (web/src/payload.ts, `Coverage`).
+
+    Points are means of foreground Gaussians, drawn with their opacity times area as weight: as
+    likely as a pixel is to show them. A camera sees a point if it projects inside the picture and
+    is no further away than what the picture shows there.
+
+    Args:
+        splats: The scene.
+        cameras: Of the training photos.
+
+    Returns:
+        None if there is no foreground or no camera.
+    """
+    if not cameras or not splats.num_foreground:
+        return None
+    chosen = _drawn(splats)
+    points = splats.means[chosen]
+    seen = torch.stack([_is_seen(splats, camera, points) for camera in cameras])
+    centres = torch.stack([camera.centre for camera in cameras]).to(points)
+    return {
+        "points": _rounded(points, 4),
+        "normals": _rounded(_outer(points, splats.normals[chosen], centres, seen), 3),
+        "seenBy": [torch.nonzero(column)[:, 0].tolist() for column in seen.T],
+    }
+
+
+def _drawn(splats: Relightable) -> Tensor:
+    count = splats.num_foreground
+    longer = splats.scales[:count].sort(dim=-1, descending=True).values[:, :2].prod(-1)
+    weight = (splats.opacities[:count] * longer).double().clamp_min(1e-12)
+    generator = torch.Generator().manual_seed(SEED)
+    drawn = torch.multinomial(weight, min(MOST_POINTS, count), generator=generator)
+    return drawn.sort().values
+
+
+def _outer(
+    points: Float[Tensor, "p 3"],
+    normals: Float[Tensor, "p 3"],
+    centres: Float[Tensor, "c 3"],
+    seen: Bool[Tensor, "c p"],
+) -> Float[Tensor, "p 3"]:
+    """Normals turned to the side from which most of the cameras that see a point look at it."""
+    sides = torch.einsum("cpx,px->cp", centres[:, None] - points, normals).sign()
+    is_behind = (sides * seen).sum(0) < 0
+    return torch.where(is_behind[:, None], -normals, normals)
+
+
+def _is_seen(
+    splats: Relightable, camera: Camera, points: Float[Tensor, "p 3"]
+) -> Bool[Tensor, "p"]:
+    scale = min(1.0, LONGEST_SIDE_PX / max(camera.width, camera.height))
+    small = camera.scaled(round(camera.width * scale), round(camera.height * scale))
+    pose = small.cam_from_world.float()
+    depths = splats.means @ pose[2, :3] + pose[2, 3]
+    features = torch.stack([depths, torch.ones_like(depths)], dim=-1)
+    image = rasterize(
+        splats.means,
+        splats.quaternions,
+        splats.scales,
+        splats.opacities,
+        features,
+        pose,
+        small.intrinsics,
+        small.width,
+        small.height,
+    ).features
+    shown = image[..., 0] / image[..., 1].clamp_min(SMALLEST_ALPHA)
+    local = points @ pose[:3, :3].T + pose[:3, 3]
+    fx, fy, cx, cy = small.intrinsics
+    z = local[:, 2].clamp_min(1e-6)
+    column = (fx * local[:, 0] / z + cx).floor().long()
+    row = (fy * local[:, 1] / z + cy).floor().long()
+    inside = (local[:, 2] > 0) & (column >= 0) & (column < small.width)
+    inside &= (row >= 0) & (row < small.height)
+    depth = shown[row.clamp(0, small.height - 1), column.clamp(0, small.width - 1)]
+    is_seen: Tensor = inside & (local[:, 2] <= depth * (1 + DEPTH_TOLERANCE))
+    return is_seen
+
+
+def _rounded(values: Float[Tensor, "n c"], digits: int) -> list[list[float]]:
+    return [[round(value, digits) for value in row] for row in values.tolist()]

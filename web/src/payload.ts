@@ -1,0 +1,84 @@
+// What Python puts into the page (r3gw.view): names and units of every number.
+
+/** Numbers shared with the Python renderer (r3gw.view.constants). */
+export interface Constants {
+  gamma: number;
+  darkest: number;
+  darkestIrradiance: number;
+  darkestSpecular: number;
+  dielectricF0: number;
+  smallestCosine: number;
+  cosineBands: number[];
+  reinhardWhite: number;
+  nearPlane: number;
+  lowPassPx2: number;
+  maxAlpha: number;
+  minAlpha: number;
+  frustumMargin: number;
+  shNorms: number[];
+  yawCosines: number[][][];
+  yawSines: number[][][];
+}
+
+/** Sun and sky of clear days (r3gw.view.daylight). */
+export interface Daylight {
+  params: number[][][][];
+  radiance: number[][][];
+  sunIrradiance: number[][][];
+  ground: number[];
+}
+
+/** One photo's camera, and its picture if the page carries it. */
+export interface Photo {
+  name: string;
+  split: "train" | "test";
+  width: number;
+  height: number;
+  /** fx, fy, cx, cy in pixels; pixel centres at +0.5. */
+  intrinsics: [number, number, number, number];
+  /** Four rows of the rigid transform; camera axes x right, y down, z forward. */
+  camFromWorld: number[][];
+  thumbnail: string | null;
+  picture: string | null;
+}
+
+/** What a photo taught the scene: its light and the coefficients of its sky. */
+export interface LearnedLight {
+  photo: string;
+  light: number[][];
+  sky: number[][];
+}
+
+/** Points of the scene's surfaces, and which photos see each. */
+export interface Coverage {
+  points: number[][];
+  normals: number[][];
+  /** Per point, indices of photos (of `Payload.photos`) in which it is visible. */
+  seenBy: number[][];
+}
+
+export interface Payload {
+  title: string;
+  numForeground: number;
+  numSky: number;
+  numLeftOut: number;
+  rows: number;
+  withSpecular: boolean;
+  lightDegree: number;
+  hasShadows: boolean;
+  transferScale: number[];
+  tableSize: number;
+  constants: Constants;
+  daylight: Daylight;
+  lights: LearnedLight[];
+  /** Median mean light of the learned lights: what exposure "auto" aims at; null without lights. */
+  learnedMean: number | null;
+  photos: Photo[];
+  /** Point that orbits turn about. */
+  focus: number[];
+  /** Depths that the depth picture spans, world units. */
+  depthRange: [number, number];
+  coverage: Coverage | null;
+  licences: string;
+  facts: string[];
+}

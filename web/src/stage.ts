@@ -1,0 +1,171 @@
+// Canvas, sky and Spark: draws a frame when something changed.
+
+import { SparkRenderer, type SplatGenerator } from "@sparkjsdev/spark";
+import * as THREE from "three";
+
+import type { Constants } from "./payload";
+import { skySource } from "./shading";
+import type { Uniforms } from "./uniforms";
+
+const LARGEST_RADIUS_PX = 8192;
+
+const SKY_RAY = `
+uniform mat3 uRayFromNdc;
+vec3 skyAt(vec2 ndc) { return skySeen(normalize(uRayFromNdc * vec3(ndc, 1.0))); }
+`;
+
+export class Stage {
+  readonly renderer: THREE.WebGLRenderer;
+  readonly camera = new THREE.PerspectiveCamera();
+  readonly spark: SparkRenderer;
+  onFrame: (milliseconds: number) => void = () => {};
+  private readonly scene = new THREE.Scene();
+  private isRequested = false;
+  private lastDrawn = 0;
+
+  constructor(
+    canvas: HTMLCanvasElement,
+    readonly splats: SplatGenerator,
+    private readonly uniforms: Uniforms,
+    constants: Constants,
+  ) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, alpha: true });
+    this.renderer.setClearColor(0x000000, 0);
+    this.camera.up.set(0, -1, 0);
+    this.spark = new SparkRenderer({
+      renderer: this.renderer,
+      onDirty: () => this.request(),
+      accumExtSplats: true, // float32 positions and half-float colours
+      sortRadial: false,
+      maxStdDev: Math.sqrt(-2 * Math.log(constants.minAlpha)),
+      minAlpha: constants.minAlpha,
+      preBlurAmount: constants.lowPassPx2,
+      blurAmount: 0,
+      clipXY: Number.MAX_VALUE,
+      maxPixelRadius: LARGEST_RADIUS_PX,
+      enableLod: false,
+      extraUniforms: uniforms,
+      transparent: true,
+      depthTest: false,
+    });
+    this.spark.renderOrder = 1;
+    adapt(this.spark.material, constants);
+    this.scene.add(this.spark, splats, skyQuad(uniforms, constants));
+  }
+
+  /** Pixels of the canvas' drawing buffer. */
+  setSize(width: number, height: number): void {
+    this.renderer.setDrawingBufferSize(width, height, 1);
+    this.request();
+  }
+
+  /** The scene's colours have to be computed anew. */
+  recolour(): void {
+    this.splats.updateVersion();
+    this.request();
+  }
+
+  /** Draw with the next animation frame. */
+  request(): void {
+    if (this.isRequested) return;
+    this.isRequested = true;
+    requestAnimationFrame(() => {
+      this.isRequested = false;
+      this.draw();
+    });
+  }
+
+  draw(): void {
+    const { camera } = this;
+    camera.updateMatrixWorld();
+    const rotation = new THREE.Matrix3().setFromMatrix4(camera.matrixWorld);
+    const p = camera.projectionMatrix.elements;
+    // View ray through a point of the picture: ((x + P02) / P00, (y + P12) / P11, -1).
+    const ray = new THREE.Matrix3().set(
+      1 / p[0], 0, p[8] / p[0], 0, 1 / p[5], p[9] / p[5], 0, 0, -1,
+    );
+    this.uniforms.uRayFromNdc.value.copy(rotation.multiply(ray));
+    this.renderer.render(this.scene, camera);
+    const now = performance.now();
+    this.onFrame(now - this.lastDrawn);
+    this.lastDrawn = now;
+  }
+
+  /** Colour, sort and draw until the picture is complete. */
+  async settle(): Promise<void> {
+    await this.sorted(); // what is under way is of the picture before
+    this.splats.updateVersion();
+    this.camera.updateMatrixWorld();
+    await this.spark.update({ scene: this.scene, camera: this.camera });
+    await this.sorted();
+    this.draw();
+  }
+
+  private async sorted(): Promise<void> {
+    while (this.spark.sorting || this.spark.sortDirty) {
+      await new Promise((resolve) => setTimeout(resolve, 2));
+    }
+  }
+}
+
+/** A triangle over the whole picture that shows the sky behind everything. */
+function skyQuad(uniforms: Uniforms, constants: Constants): THREE.Mesh {
+  const geometry = new THREE.BufferGeometry();
+  const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]);
+  geometry.setAttribute("position", new THREE.BufferAttribute(corners, 3));
+  const material = new THREE.ShaderMaterial({
+    glslVersion: THREE.GLSL3,
+    uniforms,
+    depthTest: false,
+    depthWrite: false,
+    transparent: true,
+    blending: THREE.NoBlending,
+    vertexShader: `
+      out vec2 vNdc;
+      void main() { vNdc = position.xy; gl_Position = vec4(position.xy, 0.0, 1.0); }`,
+    fragmentShader: `
+      precision highp float;
+      in vec2 vNdc;
+      out vec4 fragColor;
+      ${skySource(constants)}${SKY_RAY}
+      void main() { fragColor = uSky == 3 ? vec4(0.0) : vec4(skyAt(vNdc), 1.0); }`,
+  });
+  const quad = new THREE.Mesh(geometry, material);
+  quad.frustumCulled = false;
+  quad.renderOrder = 0;
+  return quad;
+}
+
+/** Where r3gw's rasterizer differs from Spark's shaders: three small changes to their text. */
+function adapt(material: THREE.ShaderMaterial, c: Constants): void {
+  // The Jacobian of the projection is held near the frustum, as r3gw.raster does.
+  const reach = (1 + 2 * c.frustumMargin).toFixed(6);
+  material.vertexShader = replaced(
+    material.vertexShader,
+    "vec2 J2 = -(J1 * viewCenter.xy) * invZ;",
+    `vec2 middle = vec2(projectionMatrix[2][0], projectionMatrix[2][1]);
+        vec2 widen = 1.0 / vec2(projectionMatrix[0][0], projectionMatrix[1][1]);
+        vec2 slope = clamp(-viewCenter.xy * invZ, (middle - ${reach}) * widen,
+          (middle + ${reach}) * widen);
+        vec2 J2 = J1 * slope;`,
+  );
+  const declared = `uniform int uNumForeground;\nuniform bool uSkyPerPixel;\n`;
+  const sky = `${declared}${skySource(c)}${SKY_RAY}\nvoid main() {`;
+  let fragment = replaced(material.fragmentShader, "void main() {", sky);
+  // No Gaussian is quite opaque, and the sky's show a map or a plain sky pixel by pixel.
+  fragment = replaced(
+    fragment,
+    "if (encodeLinear) {",
+    `rgba.a = min(rgba.a, ${c.maxAlpha});
+    if (uSkyPerPixel && int(vSplatIndex) >= uNumForeground) rgba.rgb = skyAt(vNdc.xy);
+    if (encodeLinear) {`,
+  );
+  material.fragmentShader = fragment;
+}
+
+function replaced(text: string, part: string, by: string): string {
+  if (text.split(part).length !== 2) {
+    throw new Error(`Spark's shader is not the one of its pinned version: it lacks "${part}"`);
+  }
+  return text.replace(part, by);
+}
