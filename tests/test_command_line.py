@@ -1,6 +1,8 @@
 """The command line: help for every stage, and bad input as one sentence with exit status 2."""
 
 import json
+import os
+import shlex
 import subprocess
 import sys
 
@@ -8,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from r3gw.__main__ import cli
+from r3gw.cli.overview import EXAMPLES
 
 pytestmark = pytest.mark.slow
 
@@ -65,3 +68,59 @@ def test_a_library_of_an_extra_that_is_not_installed_is_one_sentence(tmp_path):
         "r3gw: this needs the Python library mitsuba, which is not installed: "
         "pip install 'r3gw[view]'\n"
     )
+
+
+def test_the_overview_has_an_example_of_every_command_that_its_options_take():
+    shown = CliRunner().invoke(cli, ["--help"])
+    assert shown.exit_code == 0
+    examples = {name: text for group in EXAMPLES.values() for name, text in group.items()}
+    assert set(examples) == set(cli.commands)
+    for name, text in examples.items():
+        first, *arguments = shlex.split(text)
+        assert first == name
+        cli.commands[name].make_context(name, arguments)  # raises where an option is wrong
+        assert f"r3gw {name}" in shown.output
+
+
+@pytest.mark.parametrize(
+    ("options", "is_shown"),
+    [((), (True, False)), (("-q",), (False, False)), (("-v",), (True, True))],
+)
+def test_quiet_and_verbose(options, is_shown):
+    program = (
+        "import logging, sys; from r3gw.cli.group import cli\n"
+        "@cli.command()\n"
+        "def probe():\n"
+        "    logging.getLogger('r3gw.probe').info('ours')\n"
+        "    logging.getLogger('other').info('theirs')\n"
+        "    from tqdm import tqdm\n"
+        "    list(tqdm(range(3)))\n"
+        "cli()"
+    )
+    command = [sys.executable, "-c", program, *options, "probe"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert ("ours" in done.stderr, "theirs" in done.stderr) == is_shown
+    assert ("3/3" in done.stderr) == (options != ("-q",))
+
+
+@pytest.mark.parametrize("command", [["--help"], ["relight", "--help"], ["train", "--help"]])
+def test_help_imports_no_heavy_library(command):
+    program = (
+        f"import sys; sys.argv = ['r3gw', *{command!r}]\n"
+        "from r3gw.__main__ import main\n"
+        "try:\n    main()\n"
+        "finally:\n    sys.stderr.write(str({'torch', 'numpy', 'pydantic'} & {*sys.modules}))"
+    )
+    line = [sys.executable, "-c", program]
+    done = subprocess.run(line, capture_output=True, text=True, check=True)
+    assert done.stderr == "set()"
+
+
+def test_the_shell_completes_commands():
+    program = "import sys; sys.argv = ['r3gw']; from r3gw.__main__ import main; main()"
+    asked = {"_R3GW_COMPLETE": "bash_complete", "COMP_WORDS": "r3gw rel", "COMP_CWORD": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True, text=True, check=True, env=os.environ | asked,
+    )  # fmt: skip
+    assert done.stdout.split() == ["plain,relight"]

@@ -110,8 +110,12 @@ REFUSED = {
         "tensors": {"sky.opacity_logits": torch.zeros(9, dtype=torch.float64)}
     },
     "'foreground.means' holds NaN": {"tensors": {"foreground.means": torch.full((14, 3), np.nan)}},
-    "hidden_size' has the value 9000000": {"description": {"hidden_size": 9_000_000}},
-    "unknown key 'description.metal": {"description": {"metallic": True}},
+    "('description.hidden_size': Input should be less than or equal to 4096, got 9000000)": {
+        "description": {"hidden_size": 9_000_000}
+    },
+    "('description.metallic': Extra inputs are not permitted, got True)": {
+        "description": {"metallic": True}
+    },
     "version 5, but this r3gw reads versions 3 and 4": {"record": {"version": 5}},
     "does not say what the model is": {"record": {"model": None}},
 }

@@ -95,7 +95,10 @@ def test_interrupted_run_continues_to_the_same_bytes(settings, photos, initial, 
     assert not list(tmp_path.glob(".checkpoint*"))
 
 
-def test_a_watched_run_shows_itself_and_trains_the_same(settings, photos, initial, tmp_path):
+def test_a_watched_run_shows_itself_and_trains_the_same(
+    settings, photos, initial, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("r3gw.training.watched.INTERVAL_S", 1e9)  # one frame on any machine
     ask(tmp_path)
     watched = Watched(tmp_path)
     start = initial_model(initial, ("a", "b"), settings)

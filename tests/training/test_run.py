@@ -112,6 +112,7 @@ EDITS = {
 
 def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(files, checkpoint, tmp_path, caplog):
     caplog.set_level("INFO", "r3gw")
+    (files.target / f".{checkpoint.stem}.123.safetensors").write_bytes(b"half")
     assert go(files) == undisturbed(files, tmp_path / "other")
     assert f"continuing from {checkpoint} at iteration {KILLED_AT}" in caplog.text
     assert not list(files.target.glob(".*"))

@@ -5,7 +5,6 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, THREADS, cli, json_object
-from r3gw.files.strict import validated
 
 SOURCE = click.Path(path_type=Path)
 
@@ -20,6 +19,7 @@ def generate(settings: str, target: Path, processes: int) -> None:
     """Render a scene of the embedded benchmark: photos, masks, SfM model, ground truth."""
     from r3gw.benchmark.generate import generate as run
     from r3gw.benchmark.settings import BenchmarkSettings
+    from r3gw.files.strict import validated
 
     scene = validated(BenchmarkSettings, json_object(settings, "--settings"), "--settings")
     run(
@@ -67,6 +67,7 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
 @click.option("--sources", required=True, help="Where masks come from, as JSON: the entry's keys.")
 def masks(scene: Path, target: Path, sources: str) -> None:
     """Check given masks and make missing ones."""
+    from r3gw.files.strict import validated
     from r3gw.masks.settings import MaskSources
     from r3gw.masks.stage import make_masks
 
@@ -81,6 +82,7 @@ def masks(scene: Path, target: Path, sources: str) -> None:
 @click.option("--target", type=FILE, required=True, help="initial.npz to write.")
 def initialise(scene: Path, sky: str, target: Path) -> None:
     """Place the initial foreground points and the sky hemisphere."""
+    from r3gw.files.strict import validated
     from r3gw.model.settings import SkySettings
     from r3gw.model.stage import run_initialise
 

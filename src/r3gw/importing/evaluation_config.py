@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from r3gw.files import InputError
 from r3gw.imaging.files import HDR_SUFFIXES, LDR_SUFFIXES, read_linear, read_rgb
 from r3gw.importing.literal_file import read_literals
+from r3gw.importing.named_files import files_below
 from r3gw.scene import EvaluationEntry
 from r3gw.scene.names import key_of, stem_of
 
@@ -142,7 +143,7 @@ def _same_name(folder: Path, wanted: PurePosixPath) -> list[Path]:
     """Pictures below ``folder`` with the stem of ``wanted``."""
     return [
         path
-        for path in sorted(folder.rglob("*"))
+        for path in files_below(folder)
         if path.suffix.lower() in LDR_SUFFIXES + HDR_SUFFIXES
         and key_of(path.name) == key_of(wanted.name)
     ]

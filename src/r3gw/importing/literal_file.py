@@ -42,7 +42,7 @@ def read_literals(path: Path) -> dict[str, object]:
     if path.stat().st_size > _MAX_BYTES:
         raise InputError(f"{path}: larger than {_MAX_BYTES} bytes, which is no settings file")
     try:
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = ast.parse(path.read_text(encoding="utf-8-sig"))
         assigned: dict[str, object] = {}
         for statement in tree.body:
             assigned.update(_statement(statement))

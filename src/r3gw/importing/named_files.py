@@ -3,7 +3,7 @@
 import os
 import unicodedata
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from r3gw.files import InputError
@@ -29,8 +29,8 @@ def pictures_below(folder: Path, without: Iterable[str] = ()) -> dict[str, Path]
     """
     found: dict[str, Path] = {}
     left_out = {name.lower() for name in without}
-    for path in _files(folder, left_out):
-        if not is_picture(path) or path.name.startswith("."):
+    for path in files_below(folder, left_out):
+        if not is_picture(path):
             continue
         relative = str(path.relative_to(folder))
         try:
@@ -119,12 +119,21 @@ def notes_on(others: Mapping[str, str]) -> tuple[str, ...]:
     return (f"{files} beside the photos not read: {', '.join(kinds)}; {listed(others)}",)
 
 
-def _files(folder: Path, left_out: set[str]) -> Iterator[Path]:
-    """Files below a folder in order, as `_entries`."""
-    return (path for path in _entries(folder, left_out) if path.is_file())
+def files_below(folder: Path, left_out: Collection[str] = ()) -> Iterator[Path]:
+    """Files below a folder in order, as `pictures_below` searches it, hidden ones left out.
+
+    Args:
+        folder: Searched with its subfolders, through symbolic links.
+        left_out: Names of subfolders of ``folder``, in lower case, to leave out.
+    """
+    return (
+        path
+        for path in _entries(folder, left_out)
+        if path.is_file() and not path.name.startswith(".")
+    )
 
 
-def _entries(folder: Path, left_out: set[str]) -> Iterator[Path]:
+def _entries(folder: Path, left_out: Collection[str]) -> Iterator[Path]:
     """All but folders below a folder; every folder is entered once, whatever links lead to it."""
     entered: set[tuple[int, int]] = set()
     for place, folders, files in os.walk(folder, followlinks=True):

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from pydantic import Field
+from pydantic import Field, ValidationError
 from torch import Tensor
 
 from r3gw.files import InputError
 from r3gw.files.arrays import read_arrays, write_arrays
-from r3gw.files.strict import Strict, validated
+from r3gw.files.strict import Strict
 from r3gw.lighting import sh
 from r3gw.model import foreground, sky
 from r3gw.model.appearance import Appearance
@@ -62,6 +62,22 @@ def model_record(model: SceneModel) -> ModelRecord:
     return ModelRecord(description=model.description, photos=model.photos, sessions=model.sessions)
 
 
+def model_record_from(values: Mapping[str, Any], source: str) -> ModelRecord:
+    """Invert ``model_record(...).model_dump()``.
+
+    Raises:
+        InputError: If a value is missing, unknown or impossible; ``source`` is named.
+    """
+    try:
+        return ModelRecord.model_validate(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise InputError(
+            f"{source}: damaged, or no {WHAT} ('{key}': {first['msg']}, got {first['input']!r:.40})"
+        ) from None
+
+
 def save_model(model: SceneModel, path: Path, training: Mapping[str, Any] | None = None) -> None:
     """Write the model atomically, with the settings of its training as a record."""
     record = {"version": FILE_VERSION, "model": model_record(model).model_dump(mode="json")}
@@ -77,7 +93,7 @@ def load_model(path: Path) -> SceneModel:
     if not path.is_file():
         raise InputError(f"{path}: no such model; train the scene first")
     tensors, values = read_version_3(path) if is_version_3(path) else _read(path)
-    model = model_from(tensors, validated(ModelRecord, values, str(path)), str(path))
+    model = model_from(tensors, model_record_from(values, str(path)), str(path))
     model.appearance.eval()
     return model
 

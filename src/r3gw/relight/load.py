@@ -6,6 +6,8 @@ from r3gw.model.model_file import load_model
 from r3gw.relight.files.ply import read_ply
 from r3gw.relight.gaussians import Relightable, relightable_of
 
+MODELS = ("model.safetensors", "model.pt")  # the newer format first
+
 
 def load_relightable(path: Path) -> Relightable:
     """Read ``model.safetensors``, or a relightable ``.ply`` with its ``lights.json`` beside it.
@@ -16,3 +18,14 @@ def load_relightable(path: Path) -> Relightable:
     if path.suffix.lower() == ".ply":
         return read_ply(path)
     return relightable_of(load_model(path), str(path))
+
+
+def model_in(folder: Path) -> Path:
+    """The model of a run's folder; where there is none yet, the one that training will write."""
+    present = (folder / name for name in MODELS if (folder / name).is_file())
+    return next(present, folder / MODELS[0])
+
+
+def scene_beside(run: Path) -> Path:
+    """Where the workflow puts a run's scene: ``results/SCENE/scene`` of a run's folder."""
+    return run.resolve().parent.parent / "scene"

@@ -15,12 +15,11 @@ from r3gw.lighting.light import Light
 from r3gw.relight.cameras import view_named
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.lights import learned_strength
-from r3gw.relight.load import load_relightable
+from r3gw.relight.load import load_relightable, model_in, scene_beside
 from r3gw.relight.picture import frame
 from r3gw.relight.tone import CURVES, linear_from_scene, scene_linear
 from r3gw.scene import Scene, load_scene
 
-MODEL, OLD_MODEL = "model.safetensors", "model.pt"  # the old one: model files of version 3
 Tone = Literal["standard", "reinhard", "filmic", "linear"]
 
 
@@ -121,8 +120,7 @@ def load(path: str | Path, scene: str | Path | None = None) -> TrainedScene:
     """
     model = Path(path)
     if model.is_dir():
-        is_old = (model / OLD_MODEL).is_file() and not (model / MODEL).is_file()
-        model = model / (OLD_MODEL if is_old else MODEL)
-    folder = model.resolve().parent.parent.parent / "scene" if scene is None else Path(scene)
+        model = model_in(model)
+    folder = scene_beside(model.parent) if scene is None else Path(scene)
     is_known = scene is not None or (folder / "scene.json").is_file()
     return TrainedScene(load_relightable(model), load_scene(folder) if is_known else None)

@@ -16,8 +16,12 @@ from torch import Tensor
 
 from r3gw.files.arrays import read_arrays, read_record, write_arrays
 from r3gw.files.errors import InputError
-from r3gw.files.strict import validated
-from r3gw.model.model_file import ModelRecord, model_from, model_record, model_tensors
+from r3gw.model.model_file import (
+    model_from,
+    model_record,
+    model_record_from,
+    model_tensors,
+)
 from r3gw.training.health import require_finite_parameters
 from r3gw.training.run_digest import run_digest
 from r3gw.training.settings import TrainSettings
@@ -90,7 +94,8 @@ class Checkpoints:
 
     def discard(self) -> None:
         """Remove all checkpoints in the folder: the run is complete, or begins afresh."""
-        for path in self._all():
+        # Two dots: what a process was writing when it was killed.
+        for path in (*self._all(), *self.path.parent.glob("..checkpoint-*")):
             path.unlink(missing_ok=True)
 
     def _all(self) -> list[Path]:
@@ -135,7 +140,7 @@ def _state(
 ) -> TrainingState:
     """Invert `_tensors` and `_record`; raises one of `WRONG_FORM` if they do not fit."""
     arrays = {k.removeprefix(MODEL): v for k, v in tensors.items() if k.startswith(MODEL)}
-    model = model_from(arrays, validated(ModelRecord, record["model"], source), source)
+    model = model_from(arrays, model_record_from(record["model"], source), source)
     state = first_state(model, settings)
     for index, parameter in enumerate(_parameters(state)):
         saved = {key: tensors.get(f"{OPTIMIZER}{index}.{key}") for key in MOMENTS}

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import torch
 
-from r3gw.files import write_json
+from r3gw.files import InputError, write_json
 from r3gw.files.imports import Imports
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
-from r3gw.files.strict import read_yaml
+from r3gw.files.strict import read_json
 from r3gw.model.initial import load_initial
 from r3gw.model.model_file import save_model
 from r3gw.native import ops
@@ -127,7 +127,10 @@ def _say_why_not_lengthened(target: Path, settings: TrainSettings) -> None:
     record = target / "run.json"
     if not record.is_file():
         return
-    done = read_yaml(record).get("iterations")
+    try:
+        done = read_json(record).get("iterations")
+    except InputError:  # it is about to be written anew
+        return
     if isinstance(done, int) and done < settings.iterations:
         log.warning(
             "%s: the finished run of %d iterations is not lengthened to %d but made anew, because "

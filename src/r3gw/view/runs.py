@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from r3gw.files import InputError
+from r3gw.relight.load import model_in, scene_beside
 
-MODELS = ("model.safetensors", "model.pt")  # the newer format first
 FACTS = {"variant": "variant", "iterations": "iterations", "code_version": "code"}
 
 
@@ -55,13 +55,7 @@ def find_run(path: Path, scene: Path | None) -> Run:
             f"{path}: no such file or folder; give a run's folder or its model.safetensors"
         )
     folder = path if path.is_dir() else path.parent
-    found = scene or folder.resolve().parent.parent / "scene"
+    found = scene or scene_beside(folder)
     if not (found / "scene.json").is_file():
         raise InputError(f"{found / 'scene.json'}: no such file; name the scene with --scene")
-    return Run(folder, _model_in(path) if path.is_dir() else path, found)
-
-
-def _model_in(folder: Path) -> Path:
-    """The model of a run's folder; where there is none yet, the one that training will write."""
-    present = (folder / name for name in MODELS if (folder / name).is_file())
-    return next(present, folder / MODELS[0])
+    return Run(folder, model_in(path) if path.is_dir() else path, found)

@@ -12,6 +12,7 @@ from support import dots
 from support.made_up_place import FOCAL_PX, SIZE, place_photo
 
 from r3gw.files import InputError
+from r3gw.importing.formats import reader_of
 from r3gw.importing.settings import ColmapScene
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
@@ -145,6 +146,22 @@ def test_photos_of_a_rig_have_equal_stems(tmp_path):
     for number, view in enumerate(scene.views):
         mask = cv2.imread(str(target / "given" / "is_valid" / f"{view.name}.png"), 0)
         assert (mask == 0).all(axis=0).sum() == 10 * (number + 1)
+
+
+def test_thumbnails_folders_and_hidden_files_are_no_photos(tmp_path):
+    dots.colmap(tmp_path / "colmap")
+    images = tmp_path / "colmap" / "images"
+    for place in ("@eaDir/photo_0.png", "__MACOSX", ".thumbnails", "folder.png"):
+        (images / place).mkdir(parents=True)
+        shutil.copy(images / "photo_0.png", images / place / "photo_0.png")
+    (images / "folder.png" / "photo_0.png").unlink()
+    (images / "._photo_1.png").write_bytes(b"resource fork")
+    (images / "notes.md").write_text("north side")
+    scene, _, report = imported(tmp_path / "colmap")
+    assert len(scene.views) == report["photos"] == 4
+    assert report["notes"] == ["one file beside the photos not read: 1 no picture (.md); notes.md"]
+    facts = reader_of(ColmapScene(format="colmap", path="."), tmp_path / "colmap").facts()
+    assert (facts["photos"], facts["model"]) == ("4", "sparse/0, 4 images")
 
 
 def test_a_mask_that_fits_several_photos_is_refused(tmp_path):

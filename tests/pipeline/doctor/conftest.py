@@ -1,15 +1,15 @@
 """A scene before and after its import."""
 
 import pytest
-from support.patient import Patient
+from support.configured_scene import ConfiguredScene
 
 
 @pytest.fixture
-def patient(tmp_path, repository):
-    return Patient(tmp_path, repository / "config")
+def configured(tmp_path, repository):
+    return ConfiguredScene(tmp_path, repository / "config")
 
 
 @pytest.fixture
-def made(patient):
-    patient.make()
-    return patient
+def made(configured):
+    configured.make()
+    return configured

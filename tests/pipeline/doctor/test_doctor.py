@@ -6,14 +6,14 @@ import cv2
 import numpy as np
 import pytest
 from support import nerf_osr_layout
-from support.patient import FULL, edit_views
+from support.configured_scene import FULL, edit_views
 
 from r3gw.imaging.files import read_rgb, write_image
 from r3gw.scene import load_scene
 
 
-def facts(patient):
-    return json.loads((patient.folder / "doctor" / "doctor.json").read_text())["place"]["facts"]
+def facts(configured):
+    return json.loads((configured.folder / "doctor" / "doctor.json").read_text())["place"]["facts"]
 
 
 def test_page_of_a_good_scene(made):
@@ -37,21 +37,21 @@ def test_page_of_a_good_scene(made):
     assert (np.abs(picture.astype(int) - (255, 0, 140)).sum(axis=-1) < 30).sum() > 100
 
 
-def test_page_before_the_import(patient):
-    diagnosis = patient.examine()
+def test_page_before_the_import(configured):
+    diagnosis = configured.examine()
     assert diagnosis.problems == ()
     assert "views with an environment map | 1" in diagnosis.text
     assert "| not yet |" in diagnosis.text
-    assert (patient.folder / "doctor" / "doctor.json").is_file()
+    assert (configured.folder / "doctor" / "doctor.json").is_file()
 
 
-def env_map(patient, shape):
-    for path in (patient.place.eval_files / "ENV_MAP_CC").rglob("envmap.jpg"):
+def env_map(configured, shape):
+    for path in (configured.place.eval_files / "ENV_MAP_CC").rglob("envmap.jpg"):
         nerf_osr_layout.picture(path, np.zeros((*shape, 3), np.uint8))
 
 
-def drop_photo(patient):
-    next((patient.place.undistorted / "images").iterdir()).unlink()
+def drop_photo(configured):
+    next((configured.place.undistorted / "images").iterdir()).unlink()
 
 
 BROKEN_SOURCES = {
@@ -71,22 +71,22 @@ BROKEN_SOURCES = {
 
 
 @pytest.mark.parametrize("name", BROKEN_SOURCES)
-def test_broken_source_is_a_problem_before_the_import(patient, name):
+def test_broken_source_is_a_problem_before_the_import(configured, name):
     spoil, said = BROKEN_SOURCES[name]
-    assert patient.examine().problems == ()
-    spoil(patient)
-    (problem,) = patient.examine().problems
+    assert configured.examine().problems == ()
+    spoil(configured)
+    (problem,) = configured.examine().problems
     assert said in problem
-    assert not (patient.folder / "doctor" / "doctor.json").exists()
+    assert not (configured.folder / "doctor" / "doctor.json").exists()
 
 
 @pytest.mark.parametrize("count", [1, 2])
-def test_one_photo_is_too_few(patient, tmp_path, count):
+def test_one_photo_is_too_few(configured, tmp_path, count):
     for number in range(count):
         write_image(tmp_path / "few" / f"{number}.jpg", np.zeros((48, 64, 3), np.uint8))
     write_image(tmp_path / "few" / "masks" / "0.png", np.zeros((48, 64), np.uint8))
-    patient.entry = {"format": "photos", "path": str(tmp_path / "few")}
-    (problem,) = patient.examine().problems
+    configured.entry = {"format": "photos", "path": str(tmp_path / "few")}
+    (problem,) = configured.examine().problems
     found = "one photo is" if count == 1 else "2 photos are"
     assert f"few: {found} here, but at least 3" in problem
 
@@ -171,13 +171,13 @@ def test_too_little_memory_is_a_problem(made, monkeypatch):
     assert "this machine has 0.1 GB; lower 'max_image_px'" in problem
 
 
-def test_wrong_settings_are_a_problem(patient):
-    patient.values = lambda: (
+def test_wrong_settings_are_a_problem(configured):
+    configured.values = lambda: (
         FULL
         | {
-            "scenes": {"place": patient.entry},
+            "scenes": {"place": configured.entry},
             "train": {"iteratoins": 7},
         }
     )
-    problems = patient.examine().problems
+    problems = configured.examine().problems
     assert "unknown key 'iteratoins'; did you mean 'iterations'?" in problems[0]

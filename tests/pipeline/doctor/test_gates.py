@@ -13,9 +13,9 @@ from r3gw.scene import load_scene
 pytestmark = pytest.mark.slow
 
 
-def test_command_exits_with_one_line_per_problem(patient, tmp_path, repository):
-    patient.entry["path"] = "nowhere"
-    (tmp_path / "mine.yaml").write_text(yaml.safe_dump(patient.values()))
+def test_command_exits_with_one_line_per_problem(configured, tmp_path, repository):
+    configured.entry["path"] = "nowhere"
+    (tmp_path / "mine.yaml").write_text(yaml.safe_dump(configured.values()))
     arguments = ["--config", "mine.yaml", "--target", "page"]
     arguments += ["--defaults", str(repository / "config")]
     done = subprocess.run(
@@ -35,11 +35,11 @@ def command(*arguments):
     return subprocess.run(line, capture_output=True, text=True, check=False)
 
 
-def test_gate_before_the_import(patient):
+def test_gate_before_the_import(configured):
     wanted = ["doctor-sources", "--entries"]
-    assert command(*wanted, json.dumps({"place": patient.entry})).returncode == 0
-    entries = {name: patient.entry | {"path": name} for name in ("nowhere", "elsewhere")}
-    done = command(*wanted, json.dumps({"place": patient.entry} | entries))
+    assert command(*wanted, json.dumps({"place": configured.entry})).returncode == 0
+    entries = {name: configured.entry | {"path": name} for name in ("nowhere", "elsewhere")}
+    done = command(*wanted, json.dumps({"place": configured.entry} | entries))
     assert done.returncode == 1
     assert done.stderr.splitlines() == [
         f"r3gw doctor: {name}: no such file or folder; correct 'path' of scene '{name}'"
@@ -67,11 +67,11 @@ def test_gate_before_the_training(made, tmp_path):
     ("most", "status", "said"),
     [(10**4, 0, ""), (10**11, 1, "place/full/seed0: a training will need about 70000.4 GB but")],
 )
-def test_gate_of_a_run(patient, tmp_path, repository, most, status, said):
+def test_gate_of_a_run(configured, tmp_path, repository, most, status, said):
     size = {"foreground": 30, "sky": 100, "photos": 3, "photo_pixels": 9216}
     (tmp_path / "scene.json").write_text(json.dumps({"facts": {}, "size": size}))
     files = {f"{name}_file": repository / f"config/{name}.yaml" for name in ("train", "variants")}
-    values = patient.values() | {"train": {"density": {"max_gaussians": most}}}
+    values = configured.values() | {"train": {"density": {"max_gaussians": most}}}
     settings = run_settings(Config.model_validate(values), "full", 0, **files)
     (tmp_path / "settings.json").write_text(settings.model_dump_json())
     arguments = ["doctor-run", "--name", "place/full/seed0"]
@@ -95,8 +95,8 @@ def spoil_nothing(_):
     """The gate passes what the page passes."""
 
 
-def spoil_photo(patient):
-    (patient.scene / load_scene(patient.scene).views[0].image).write_bytes(b"no picture")
+def spoil_photo(configured):
+    (configured.scene / load_scene(configured.scene).views[0].image).write_bytes(b"no picture")
 
 
 SPOILT = {

@@ -55,6 +55,17 @@ class ColmapReader(Reader[ColmapScene]):
             missing.append("sparse/{cameras,images,points3D}.bin or .txt")
         return missing
 
+    def facts(self) -> dict[str, str]:
+        """Photos, and the model that would be taken."""
+        images = self.source / "images"
+        folder, notes = _largest(self.source)
+        notes += notes_on(other_files(images))
+        facts = super().facts() | {
+            "photos": str(len(pictures_below(images))),
+            "model": f"{folder.relative_to(self.source).as_posix()}, {count_images(folder)} images",
+        }
+        return facts | ({"left out": "; ".join(notes)} if notes else {})
+
     def read(self, effort: Effort) -> SourceScene:
         """The photos of the largest model."""
         pictures = pictures_below(self.source / "images")

@@ -16,7 +16,7 @@ from r3gw.geometry.cameras import Camera
 from r3gw.importing.evaluation_config import read_evaluation
 from r3gw.importing.folders import mask_files, require_training_views, session_of
 from r3gw.importing.lens import Lens
-from r3gw.importing.named_files import pictures_below
+from r3gw.importing.named_files import files_below, pictures_below
 from r3gw.importing.posed import camera_of, picture_size, pose_from_matrix
 from r3gw.importing.reader import Effort, Reader
 from r3gw.importing.reconstruction.triangulate import triangulated_points
@@ -106,8 +106,8 @@ def _matrix_files(folder: Path, photos: list[str]) -> ByPhoto[Path]:
     """Text files of one kind of matrix, by the photo that they belong to."""
     files = {
         path.relative_to(folder).as_posix(): path
-        for path in sorted(folder.rglob("*"))
-        if path.suffix.lower() == ".txt" and not path.name.startswith(".")
+        for path in files_below(folder)
+        if path.suffix.lower() == ".txt"
     }
     return ByPhoto(files, photos, str(folder))
 

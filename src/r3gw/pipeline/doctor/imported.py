@@ -33,7 +33,7 @@ def describe_scene(scene: Scene, folder: Path, findings: Findings) -> None:
     train, test = scene.split("train"), scene.split("test")
     findings.facts["photos"] = f"{len(scene.views)} ({len(train)} training, {len(test)} test)"
     findings.facts["sizes"] = _sizes(scene.views)
-    findings.facts["registered"] = _registered(folder)
+    findings.facts |= _registered(folder)
     sessions = Counter(view.session or "none in the name" for view in scene.views)
     counted = listed(f"{name} ({count})" for name, count in sessions.items())
     findings.facts["sessions"] = f"{len(sessions)}: {counted}"
@@ -58,14 +58,17 @@ def _sizes(views: Sequence[View]) -> str:
     return shown + (f"; {scaled} were larger and are scaled down" if scaled else "")
 
 
-def _registered(folder: Path) -> str:
+def _registered(folder: Path) -> dict[str, str]:
+    """How many photos have cameras, which do not, and what the import decided besides."""
     path = folder / "sfm_report.json"
-    if not path.is_file():
-        return "cameras came with the data"  # imported before every format had a report
+    if not path.is_file():  # imported before every format had a report
+        return {"registered": "cameras came with the data"}
     report = read_json(path)
     lost = listed(report["not_registered"])
     found = f"{len(report['registered'])} of {report['photos']}"
-    return found + (f"; left out: {lost}" if lost else "")
+    facts = {"registered": found + (f"; left out: {lost}" if lost else "")}
+    notes = report.get("notes", [])
+    return facts | ({"import": "; ".join(notes)} if notes else {})
 
 
 def _enough(train: Sequence[View], folder: Path) -> None:

@@ -20,7 +20,7 @@ FULL = {
 }
 
 
-class Patient:
+class ConfiguredScene:
     """A configuration of one scene, with everything made that the doctor looks at."""
 
     def __init__(self, folder, defaults):
@@ -51,7 +51,7 @@ class Patient:
         return examine(path, self.results, target, defaults=self.defaults)
 
 
-def edit_views(patient, change):
-    scene = load_scene(patient.scene)
+def edit_views(configured, change):
+    scene = load_scene(configured.scene)
     views = tuple(change(number, view) for number, view in enumerate(scene.views))
-    save_scene(scene.model_copy(update={"views": views}), patient.scene)
+    save_scene(scene.model_copy(update={"views": views}), configured.scene)
