@@ -1,5 +1,6 @@
 # make all   install into .venv, then regenerate results/table1.csv on the embedded benchmark
 # make test  install with the test extra, then linters, type checker and the test suite
+# make kill-test   kills runs of a small workflow at random, and compares what comes out in the end
 # make test-quick  the tests that are not marked slow: for every edit, about a minute
 PYTHON ?= python3.11
 CORES ?= 2
@@ -7,7 +8,7 @@ BIN := .venv/bin
 SOURCES := pyproject.toml constraints.txt setup.py src/r3gw/native/build.py \
 	$(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
-.PHONY: all ablations test test-quick lint fuzz sanitize constraints clean
+.PHONY: all ablations test test-quick kill-test fuzz lint sanitize constraints clean
 
 all: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) all
@@ -20,6 +21,10 @@ test: .venv/installed-test lint
 
 test-quick: .venv/installed-test
 	$(BIN)/python -m pytest -m "not slow"
+
+KILLS ?= 20
+kill-test: .venv/installed
+	$(BIN)/python benchmarks/kill_test.py --kills $(KILLS)
 
 lint: .venv/installed-test
 	$(BIN)/ruff check .

@@ -9,6 +9,7 @@ from r3gw.cli import check, data, report, runs, score, use, view  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
 from r3gw.files.extras import missing_extra
+from r3gw.files.processes import end_with_owner
 from r3gw.native.code import EXTENSION, MISSING, require_current_extension
 
 
@@ -27,6 +28,7 @@ def main() -> None:
 def _ended_by() -> str | None:
     """Run the command; the sentence that it ends with, if it does not end well."""
     try:
+        end_with_owner()
         require_current_extension()
         cli()
     except InputError as error:

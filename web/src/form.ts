@@ -47,6 +47,7 @@ function valueOf(field: Field): string | number | boolean {
 }
 
 function readable(field: Field, value: unknown): string {
-  const digits = field instanceof HTMLInputElement && Number(field.step) < 1 ? 2 : 0;
+  const [, decimals = ""] = field instanceof HTMLInputElement ? field.step.split(".") : [];
+  const digits = decimals.length;
   return `${Number(value).toFixed(digits)}${field.dataset.unit ?? ""}`;
 }

@@ -15,6 +15,7 @@ async function start(): Promise<void> {
   const splats = await makeSplats(payload, uniforms);
   const canvas = document.querySelector<HTMLCanvasElement>("#canvas")!;
   const stage = new Stage(canvas, splats, uniforms, payload.constants);
+  await stage.prepare();
   const app = new App(payload, stage, new Lights(payload, uniforms), canvas);
   connect(app);
   await stage.settle();

@@ -31,6 +31,8 @@ export class Stage {
   ) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, alpha: true });
     this.renderer.setClearColor(0x000000, 0);
+    // Asking for errors would wait for the compiler.
+    this.renderer.debug.checkShaderErrors = false;
     this.camera.up.set(0, -1, 0);
     this.spark = new SparkRenderer({
       renderer: this.renderer,
@@ -51,6 +53,23 @@ export class Stage {
     this.spark.renderOrder = 1;
     adapt(this.spark.material, constants);
     this.scene.add(this.spark, splats, skyQuad(uniforms, constants));
+  }
+
+  /** Compile all shaders aside, where the browser can, so that the first picture holds nothing up. */
+  async prepare(): Promise<void> {
+    if (!this.renderer.extensions.has("KHR_parallel_shader_compile")) return;
+    const { generator } = this.splats;
+    const { material } = this.spark.current.prepareProgramMaterial(generator);
+    const stand = new THREE.Mesh(new THREE.PlaneGeometry(), material);
+    stand.frustumCulled = false;
+    const scene = new THREE.Scene().add(stand);
+    const target = new THREE.WebGLRenderTarget(1, 1); // programs depend on what is drawn to
+    this.renderer.setRenderTarget(target);
+    await this.renderer.compileAsync(scene, this.camera);
+    this.renderer.setRenderTarget(null);
+    stand.geometry.dispose();
+    target.dispose();
+    await this.renderer.compileAsync(this.scene, this.camera);
   }
 
   /** Pixels of the canvas' drawing buffer. */
@@ -136,7 +155,7 @@ function skyQuad(uniforms: Uniforms, constants: Constants): THREE.Mesh {
   return quad;
 }
 
-/** Where r3gw's rasterizer differs from Spark's shaders: three small changes to their text. */
+/** Where r3gw's rasterizer differs from Spark's shaders: four small changes to their text. */
 function adapt(material: THREE.ShaderMaterial, c: Constants): void {
   // The Jacobian of the projection is held near the frustum, as r3gw.raster does.
   const reach = (1 + 2 * c.frustumMargin).toFixed(6);
@@ -148,6 +167,13 @@ function adapt(material: THREE.ShaderMaterial, c: Constants): void {
         vec2 slope = clamp(-viewCenter.xy * invZ, (middle - ${reach}) * widen,
           (middle + ${reach}) * widen);
         vec2 J2 = J1 * slope;`,
+  );
+  // A faint Gaussian reaches less far before it falls below the smallest alpha.
+  material.vertexShader = replaced(
+    material.vertexShader,
+    "vRgba = rgba;",
+    `adjustedStdDev = min(maxStdDev, sqrt(2.0 * log(rgba.a / minAlpha)));
+    vRgba = rgba;`,
   );
   const declared = `uniform int uNumForeground;\nuniform bool uSkyPerPixel;\n`;
   const sky = `${declared}${skySource(c)}${SKY_RAY}\nvoid main() {`;

@@ -9,11 +9,13 @@ from pathlib import Path
 from subprocess import CalledProcessError
 
 from r3gw.files import InputError
+from r3gw.files.processes import OWNER
 from r3gw.reporting.figures.kinds import PICTURES, PLOTS
 from r3gw.reporting.methods import recommended
 from r3gw.pipeline.code import StageCode
 from r3gw.pipeline.config import load_config, run_settings
 from r3gw.pipeline.doctor.training import predicted, read_size
+from r3gw.pipeline.lock import claim
 from r3gw.pipeline.source_state import source_state
 from snakemake.exceptions import WorkflowError
 
@@ -65,6 +67,9 @@ if ":" in BIN:
 # Twice quoted: for the shell, and for Snakemake, which takes braces for a format.
 QUOTED_BIN = shlex.quote(BIN).replace("{", "{{").replace("}", "}}")
 shell.prefix(f"set -euo pipefail; export PATH={QUOTED_BIN}:$PATH; ")
+# A lock that a killed run left is taken away, and stages end with the run that started them.
+if workflow.is_main_process:
+    os.environ[OWNER] = claim(Path.cwd())
 # By the environment, because no result depends on it: another interval makes nothing again.
 os.environ.setdefault("R3GW_CHECKPOINT_SECONDS", str(CONFIG.checkpoint_seconds))
 

@@ -15,6 +15,7 @@ from r3gw.benchmark.lights import Session
 from r3gw.benchmark.place import Place
 from r3gw.benchmark.seeds import stream
 from r3gw.benchmark.shooting import Exposure, Plan, Studio
+from r3gw.files.processes import end_with_parent
 
 PLACES = {module.PLACE.name: module.PLACE for module in (chapel, colonnade, townhouse)}
 
@@ -94,5 +95,7 @@ def _workers(count: int) -> Iterator[ProcessPoolExecutor | None]:
     if count == 1:
         yield None
         return
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(
+        count, mp_context=get_context("spawn"), initializer=end_with_parent
+    ) as pool:
         yield pool
