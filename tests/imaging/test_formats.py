@@ -205,3 +205,15 @@ def test_bomb_inside_the_limit_is_refused_fast(tmp_path):
     with pytest.raises(InputError, match=r"not a readable picture"):
         read_picture(path)
     assert time.perf_counter() - begin < 2.0
+
+
+def test_a_heic_that_ends_its_decoder_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "a.heic"
+    path.write_bytes(heic.TURNED)
+    monkeypatch.setattr("r3gw.imaging.heic._CHILD", "import os; os.abort()")
+    with pytest.raises(InputError, match=r"a\.heic: not a readable picture .*its decoder gave up"):
+        read_picture(path)
+    monkeypatch.undo()
+    path.write_bytes(heic.TURNED[:500])
+    with pytest.raises(InputError, match=r"a\.heic: not a readable picture"):
+        read_picture(path)

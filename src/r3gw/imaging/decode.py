@@ -13,17 +13,15 @@ from typing import Any
 
 import cv2
 import numpy as np
-import pi_heif
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from r3gw.files import InputError
 from r3gw.imaging.formats import DEVELOP, MOST_BYTES, MOST_PIXELS
+from r3gw.imaging.heic import decode_heic, is_heic
 from r3gw.imaging.orientation import STORED_UPRIGHT, stored_from_upright, upright_from_stored
 
-pi_heif.register_heif_opener()
-
-_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "HEIF", "BMP", "GIF")
+_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "BMP", "GIF")
 _ANIMATED = ("WEBP", "AVIF", "PNG", "GIF")
 _ORIENTATION_TAG, _NEW_SUBFILE_TAG, _DNG_VERSION_TAG = 0x0112, 0x00FE, 0xC612
 _RAW_DEPTH = re.compile(r";(\d+)")
@@ -77,6 +75,8 @@ def read_picture(path: Path) -> Picture:
         raise InputError(f"{path}: is larger than {MOST_BYTES >> 20} MiB, which no photo is")
     data = path.read_bytes()
     try:
+        if is_heic(data):
+            return _of_heic(*decode_heic(path))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of odd metadata, which does not matter here
             with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
@@ -112,6 +112,11 @@ def read_opaque(path: Path) -> NDArray[np.bool_] | None:
     except Exception:  # read_picture finds the words for it
         has_alpha = True
     return read_picture(path).is_opaque if has_alpha else None
+
+
+def _of_heic(pixels: NDArray[np.uint8], exif: bytes) -> Picture:
+    alpha = pixels[..., 3] if pixels.shape[2] == 4 else None
+    return Picture(pixels[..., :3], alpha, STORED_UPRIGHT, exif)
 
 
 def eight_bits(values: Pixels) -> NDArray[np.uint8]:
