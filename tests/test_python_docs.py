@@ -82,6 +82,14 @@ scene = r3gw.load({str(tiny.model_path)!r}, {str(tiny.folder)!r})
 assert scene.render("b_exact", "a_0").shape == (32, 48, 3)
 r3gw.export(scene, "exported", scene.lights["a_0"])
 assert r3gw.load("exported/relightable.ply").lights
+options = ["--model", {str(tiny.model_path)!r}, "--scene", {str(tiny.folder)!r}]
+options += ["--view", "a_0", "--light-of", "a_1", "--output"]
+from r3gw.cli.use import relight
+relight([*options, "relit.png"], standalone_mode=False)
+try:
+    relight([*options, "film.mp4"], standalone_mode=False)
+except r3gw.InputError as error:
+    print(error)
 try:
     r3gw.Light.sun(45, 150)
 except r3gw.InputError as error:
@@ -89,9 +97,12 @@ except r3gw.InputError as error:
 """
     done = run_python(program, tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stdout == (
-        "this needs the Python library mitsuba, which is not installed: pip install 'r3gw[view]'\n"
+    assert done.stdout == "".join(
+        f"this needs the Python library {name}, which is not installed: pip install 'r3gw[view]'\n"
+        for name in ("imageio_ffmpeg", "mitsuba")
     )
+    assert (tmp_path / "relit.png").is_file()
+    assert not (tmp_path / "film.mp4").exists()
 
 
 def test_importing_r3gw_imports_no_library():

@@ -30,7 +30,7 @@ EXAMPLES = {
         "doctor-sources": """doctor-sources --entries '{"mine": {"format": "photos"}}'""",
         "doctor-scene": "doctor-scene --scene mine --results results --target checked.json",
         "doctor-run": "doctor-run --name mine/full/0 --checked checked.json "
-        "--settings settings.json --target run.json",
+        "--settings settings.json",
     },
     "Stages of the workflow: tables and pictures": {
         "tables": "tables --kind table1 --target results R/metrics/metrics.json",

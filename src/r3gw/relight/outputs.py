@@ -12,12 +12,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-import imageio_ffmpeg
 import numpy as np
 from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.files import InputError, atomic_path
+from r3gw.files.extras import optional_module
 from r3gw.imaging.files import WRITTEN_SUFFIXES, write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display
 
@@ -73,6 +73,7 @@ class Film(Output):
 
     def __init__(self, path: Path, fps: float) -> None:
         self.path, self.fps = path, fps
+        self.ffmpeg = optional_module("imageio_ffmpeg")
         self.stack = ExitStack()
         self.sink: Generator[None, Any, None] | None = None
 
@@ -82,7 +83,7 @@ class Film(Output):
         height, width = pixels.shape[0] // 2 * 2, pixels.shape[1] // 2 * 2
         if self.sink is None:
             temporary = self.stack.enter_context(atomic_path(self.path))
-            self.sink = imageio_ffmpeg.write_frames(
+            self.sink = self.ffmpeg.write_frames(
                 str(temporary),
                 (width, height),
                 fps=self.fps,

@@ -10,6 +10,7 @@ from torch.nn.functional import normalize, pad
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.rotations import shortest_axes
 from r3gw.imaging.colour import display_from_linear
+from r3gw.model.attributes import LOG_SCALES, OPACITY, materials_of
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import CHANNELS, Layers
 from r3gw.rendering.cook_torrance import face_camera, shade
@@ -30,24 +31,20 @@ def splats_of(
     normals = face_camera(
         shortest_axes(foreground["quaternions"], foreground["log_scales"]), to_camera
     )
+    materials = materials_of(foreground)
     linear = shade(
-        normals,
-        to_camera,
-        foreground["albedo_logits"].sigmoid(),
-        foreground["roughness_logits"].sigmoid(),
-        light,
-        with_specular=model.description.specular,
+        normals, to_camera, **materials, light=light, with_specular=model.description.specular
     )
     shadow = shadow_of(foreground, light)
     if shadow is not None:
-        linear = linear + foreground["albedo_logits"].sigmoid() * shadow / pi
+        linear = linear + materials["albedo"] * shadow / pi
     colours = display_from_linear(linear)
     if sky_light is None:
         sky_colours = torch.ones_like(means[len(foreground) :])
     else:
         sky_colours = sky.colours(sky_light, camera.centre)
-    log_scales = torch.cat([foreground["log_scales"], sky.rows["log_scales"]])
-    opacity_logits = torch.cat([foreground["opacity_logits"], sky.rows["opacity_logits"]])
+    scales = torch.cat([LOG_SCALES.of(foreground), LOG_SCALES.of(sky.rows)])
+    opacities = torch.cat([OPACITY.of(foreground), OPACITY.of(sky.rows)])
     pose = camera.cam_from_world.to(means)
     depths = means @ pose[2, :3] + pose[2, 3]
     rows = len(foreground), len(sky.rows)
@@ -62,11 +59,11 @@ def splats_of(
     return Splats(
         means,
         torch.cat([foreground["quaternions"], sky.rows["quaternions"]]),
-        log_scales.exp(),
-        opacity_logits.sigmoid(),
+        scales,
+        opacities,
         features,
         depths,
-        foreground["log_scales"].exp().amin(dim=-1),
+        scales[: rows[0]].amin(dim=-1),
         layers,
     )
 

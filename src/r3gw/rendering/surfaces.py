@@ -9,6 +9,7 @@ from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
 from r3gw.lighting import sh
+from r3gw.model.attributes import ALBEDO
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
 from r3gw.rendering.compose import SMALLEST_ALPHA, draw
@@ -35,7 +36,7 @@ class Surfaces:
 @torch.no_grad()
 def surfaces_of(model: SceneModel, camera: Camera) -> Surfaces:
     """Render the model's surfaces; no light takes part."""
-    albedo = model.foreground["albedo_logits"].sigmoid()
+    albedo = ALBEDO.of(model.foreground)
     no_light = albedo.new_zeros(sh.num_coefficients(2), 3)
     splats = splats_of(model, camera, no_light, None, Layers.OPACITY)
     nothing = albedo.new_zeros(len(model.sky.rows), 3)
@@ -56,7 +57,7 @@ def _array(picture: Float[Tensor, "*shape"]) -> Float[np.ndarray, "*shape"]:
 
 
 @torch.no_grad()
-def apart(
+def foreground_and_sky(
     model: SceneModel,
     camera: Camera,
     light: Float[Tensor, "coeff 3"],
