@@ -8,7 +8,7 @@ BIN := .venv/bin
 SOURCES := pyproject.toml constraints.txt setup.py src/r3gw/native/build.py \
 	$(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
-.PHONY: all ablations test test-quick kill-test lint sanitize constraints clean
+.PHONY: all ablations test test-quick kill-test fuzz lint sanitize constraints clean
 
 all: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) all
@@ -32,6 +32,11 @@ lint: .venv/installed-test
 	$(BIN)/mypy
 	$(BIN)/mypy benchmarks/*.py
 	$(BIN)/snakefmt --check Snakefile workflow
+
+# Mutated files through every reader; ends with an error and lists them if there are faults.
+INPUTS ?= 100000
+fuzz: .venv/installed-test
+	PYTHONPATH=src:tests $(BIN)/python -m support.fuzzing --inputs $(INPUTS)
 
 # The kernels' tests under the address and undefined-behaviour sanitizers, in a copy of the package.
 SANITIZED := build/sanitize

@@ -19,27 +19,31 @@ def main() -> None:
     Bad input, what the operating system refuses, and a library of an extra that is not installed
     end in one sentence and exit status 2.
     """
+    if (sentence := _ended_by()) is not None:
+        # Said when the error's frames are gone, and with them the progress bar that was under way.
+        click.echo(f"r3gw: {sentence}", err=True)
+        sys.exit(2)
+
+
+def _ended_by() -> str | None:
+    """Run the command; the sentence that it ends with, if it does not end well."""
     try:
         end_with_owner()
         require_current_extension()
         cli()
     except InputError as error:
-        _stop(str(error))
+        return str(error)
     except OSError as error:
-        _stop(sentence_of(error))
+        return sentence_of(error)
     except MemoryError:
-        _stop("there is not enough memory; close other programs or use smaller pictures")
+        return "there is not enough memory; close other programs or use smaller pictures"
     except ModuleNotFoundError as error:
         if error.name == EXTENSION:
-            _stop(MISSING)
+            return MISSING
         if (missing := missing_extra(error)) is error:
             raise
-        _stop(str(missing))
-
-
-def _stop(sentence: str) -> None:
-    click.echo(f"r3gw: {sentence}", err=True)
-    sys.exit(2)
+        return str(missing)
+    return None
 
 
 if __name__ == "__main__":

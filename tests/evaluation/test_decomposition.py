@@ -22,7 +22,7 @@ from r3gw.imaging.files import write_exr
 from r3gw.lighting import envmap
 from r3gw.lighting.light import Light
 from r3gw.lighting.skies import LearnedSky
-from r3gw.rendering.surfaces import apart, surfaces_of
+from r3gw.rendering.surfaces import foreground_and_sky, surfaces_of
 
 
 def test_scale_is_found_per_channel():
@@ -58,7 +58,9 @@ def test_shares_add_up_to_the_picture(tiny):
     evaluated, view = tiny.evaluated, tiny.view("a_0")
     light, sky_light, _ = tiny.model.appearance(0)
     whole = evaluated.render(view, Light(light.detach(), LearnedSky(sky_light.detach())))
-    foreground, sky = apart(tiny.model, view.camera, light.detach(), sky_light.detach())
+    foreground, sky = foreground_and_sky(
+        tiny.model, view.camera, light.detach(), sky_light.detach()
+    )
     np.testing.assert_allclose(np.clip(foreground + sky, 0, 1), whole, rtol=0, atol=1e-5)
     assert foreground[:8].max() < 0.05
     assert sky[20:].mean() < 0.05

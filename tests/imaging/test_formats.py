@@ -167,6 +167,25 @@ def png_of_size(width, height, depth=8, colour=2):
     )
 
 
+def test_the_best_compressed_pictures_are_no_bombs(tmp_path):
+    for mode in ("1", "L", "RGB", "RGBA"):
+        Image.new(mode, (3000, 2000)).save(tmp_path / "plain.png", optimize=True)
+        assert read_rgb(tmp_path / "plain.png").shape == (2000, 3000, 3)
+
+
+def test_a_height_that_the_pixels_do_not_fill_is_refused(tmp_path):
+    path = tmp_path / "tall.png"
+    data = io.BytesIO()
+    Image.fromarray(quarters()).save(data, "PNG")
+    header = struct.pack(">IIBBBBB", 64, 2_000_000, 8, 2, 0, 0, 0)
+    body = b"IHDR" + header
+    path.write_bytes(
+        data.getvalue()[:12] + body + struct.pack(">I", zlib.crc32(body)) + data.getvalue()[33:]
+    )
+    with pytest.raises(InputError, match=r"bytes cannot hold 64x2000000 px"):
+        read_picture(path)
+
+
 @pytest.mark.parametrize("size", [(100_000, 100_000), (1 << 20, 200), (13_400, 13_400)])
 def test_small_file_of_a_huge_picture_is_refused_fast(tmp_path, size):
     path = tmp_path / "bomb.png"
@@ -186,3 +205,15 @@ def test_bomb_inside_the_limit_is_refused_fast(tmp_path):
     with pytest.raises(InputError, match=r"not a readable picture"):
         read_picture(path)
     assert time.perf_counter() - begin < 2.0
+
+
+def test_a_heic_that_ends_its_decoder_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "a.heic"
+    path.write_bytes(heic.TURNED)
+    monkeypatch.setattr("r3gw.imaging.heic._CHILD", "import os; os.abort()")
+    with pytest.raises(InputError, match=r"a\.heic: not a readable picture .*its decoder gave up"):
+        read_picture(path)
+    monkeypatch.undo()
+    path.write_bytes(heic.TURNED[:500])
+    with pytest.raises(InputError, match=r"a\.heic: not a readable picture"):
+        read_picture(path)

@@ -20,6 +20,11 @@ def settings() -> TrainSettings:
 
 @pytest.fixture
 def model(settings: TrainSettings) -> SceneModel:
+    """`small_model` with the paper's settings."""
+    return small_model(settings)
+
+
+def small_model(settings: TrainSettings) -> SceneModel:
     """Sixty random foreground Gaussians at z about 4, eighty sky Gaussians, two photos."""
     generator = torch.Generator().manual_seed(0)
     points = torch.randn(60, 3, generator=generator) + torch.tensor([0.0, 0.0, 4.0])

@@ -207,5 +207,6 @@ function firstState(payload: Payload): State {
     elevation: 40, azimuth: 150, strength: 1, turbidity: 3,
     yaw: 0, auto: true, stops: 0, tone: "standard", sky: "own", show: "picture", parts: "both",
     camera: [], lens: payload.photos[0].name,
+    ...payload.start,
   };
 }

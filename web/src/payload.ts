@@ -1,5 +1,7 @@
 // What Python puts into the page (r3gw.view): names and units of every number.
 
+import type { State } from "./state";
+
 /** Numbers shared with the Python renderer (r3gw.view.constants). */
 export interface Constants {
   gamma: number;
@@ -81,4 +83,6 @@ export interface Payload {
   coverage: Coverage | null;
   licences: string;
   facts: string[];
+  /** State in which the page opens, over its own beginning (r3gw.view.start). */
+  start: Partial<State>;
 }

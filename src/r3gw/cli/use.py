@@ -118,9 +118,9 @@ def relight(
 @option(
     OUTPUT,
     "--target",
-    type=FOLDER,
+    type=click.Path(path_type=Path),
     required=True,
-    help="Folder for baked.ply, relightable.ply, baked.glb and lights.json.",
+    help="Folder for baked.ply, relightable.ply, baked.glb and lights.json; or a page (.html).",
 )
 @option(
     OUTPUT,
@@ -153,6 +153,9 @@ def export(
     relightable.ply   the same with albedo, roughness and is_sky; `relight --model` reads it
     baked.glb         glTF 2.0 with KHR_gaussian_splatting
     lights.json       the learned lights as spherical harmonics
+
+    A target that ends in .html is one page instead, which opens in that light and relights the
+    scene in any browser (see also `r3gw page`).
     """
     from r3gw.relight.export import export as run
     from r3gw.relight.lights import still_light
@@ -160,7 +163,20 @@ def export(
 
     options, trained = _light(**light), load(model, scene)
     baked_under = still_light(trained.gaussians, options)
+    if target.suffix.lower() == ".html":
+        _export_page(model, scene, target, options, tone)
+        return
     run(trained, target, baked_under, view=view, tone=tone, coordinates=coordinates)
+
+
+def _export_page(model: Path, scene: Path, target: Path, options: Any, tone: str) -> None:
+    from r3gw.view.page import write_page
+    from r3gw.view.payload import PageOptions
+    from r3gw.view.runs import find_run
+    from r3gw.view.start import start_of
+
+    facts = find_run(model, scene).facts
+    write_page(model, scene, target, PageOptions(facts=facts, start=start_of(options, tone)))
 
 
 def _light(

@@ -29,7 +29,7 @@ from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_pict
 from r3gw.model.lights import learned_lights
 from r3gw.model.model_file import load_model
 from r3gw.relight.files.lights_file import write_lights
-from r3gw.rendering.surfaces import apart, surfaces_of
+from r3gw.rendering.surfaces import foreground_and_sky, surfaces_of
 from r3gw.scene import View, load_scene
 from r3gw.scene.selection import evenly
 
@@ -123,7 +123,9 @@ def _write_parts(evaluated: EvaluatedScene, view: View, outcome: Outcome, folder
     depth = np.where(is_surface, surfaces.depth, 0.0).astype(np.float32)
     albedo = np.where(is_surface[..., None], display_array_from_linear(surfaces.albedo), 1.0)
     light = outcome.light
-    foreground, sky = apart(evaluated.model, view.camera, light.sh, light.sky_coefficients)
+    foreground, sky = foreground_and_sky(
+        evaluated.model, view.camera, light.sh, light.sky_coefficients
+    )
     parts = {
         "albedo": bytes_from_display(albedo),
         "normal": normal_picture(np.where(is_surface[..., None], surfaces.normal, 0.0)),

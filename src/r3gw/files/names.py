@@ -10,9 +10,11 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from r3gw.files.errors import InputError
 
+_LONGEST_PART, _LONGEST_PATH = 255, 3000  # bytes
+
 
 def leads_outside(name: str) -> bool:
-    """Whether a name is empty, absolute, or climbs above the folder that it is relative to."""
+    """Whether a name is none, absolute, or climbs above the folder that it is relative to."""
     path = PurePosixPath(name.replace("\\", "/"))
     depth = 0
     for part in path.parts:
@@ -20,7 +22,7 @@ def leads_outside(name: str) -> bool:
         if depth < 0:
             return True
     is_rooted = path.is_absolute() or bool(PureWindowsPath(name).drive)
-    return is_rooted or depth == 0 or "\0" in name
+    return is_rooted or depth == 0 or _is_impossible(name)
 
 
 def inside(folder: Path, name: str, source: str) -> Path:
@@ -36,8 +38,8 @@ def inside(folder: Path, name: str, source: str) -> Path:
     """
     if leads_outside(name):
         raise InputError(
-            f"{source}: names the file {name!r}, which is not below {folder}; put the file there, "
-            "or a link to it, and correct the name"
+            f"{source}: names the file {name[:200]!r}, which is not below {folder}; put the file "
+            "there, or a link to it, and correct the name"
         )
     return folder / name
 
@@ -53,8 +55,17 @@ def stated(folder: Path, name: str, source: str) -> Path:
     """
     path = PurePosixPath(name.replace("\\", "/"))
     windows = PureWindowsPath(name)
-    if not (path.is_absolute() or windows.drive) or "\0" in name:
+    if not (path.is_absolute() or windows.drive) or _is_impossible(name):
         return inside(folder, str(path), source)
     parts = (windows if windows.drive else path).parts[1:]
     tails = (folder.joinpath(*parts[start:]) for start in range(len(parts)) if ".." not in parts)
     return next((tail for tail in tails if tail.is_file()), Path(path))
+
+
+def _is_impossible(name: str) -> bool:
+    """Whether no file system could hold a file of this name."""
+    try:
+        sizes = [len(part.encode()) for part in name.split("/")]
+    except UnicodeEncodeError:
+        return True
+    return "\0" in name or max(sizes) > _LONGEST_PART or sum(sizes) > _LONGEST_PATH

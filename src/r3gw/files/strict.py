@@ -13,6 +13,7 @@ from r3gw.files import InputError
 
 MOST_BYTES = 1 << 28
 _MOST_VALUES = 50_000_000
+_LONGEST_VALUE = 120  # characters of a wrong value in a sentence
 
 
 class Strict(BaseModel):
@@ -130,7 +131,9 @@ def _first_error(error: ValidationError, model: type[BaseModel], values: Mapping
         return f"unknown key '{key}'{hint}"
     if kind == "missing":
         return f"key '{key}' is missing; see config/README.md"
-    return f"key '{key}' has the value {value!r}: {first['msg']}"
+    written = repr(value)
+    written = written if len(written) <= _LONGEST_VALUE else f"{written[:_LONGEST_VALUE]}..."
+    return f"key '{key}' has the value {written}: {' '.join(first['msg'].split())}"
 
 
 def _own_keys(loc: tuple[int | str, ...], values: Any) -> list[str]:
@@ -140,11 +143,14 @@ def _own_keys(loc: tuple[int | str, ...], values: Any) -> list[str]:
     """
     keys = []
     for number, part in enumerate(loc):
-        is_there = part in values if isinstance(values, Mapping) else isinstance(part, int)
+        if isinstance(values, list):
+            is_there = isinstance(part, int) and part < len(values)
+        else:
+            is_there = isinstance(values, Mapping) and part in values
         if is_there or number == len(loc) - 1:
             keys.append(str(part))
-        if is_there and isinstance(values, Mapping | list):
-            values = values[part]  # type: ignore[index]
+        if is_there:
+            values = values[part]
     return keys
 
 

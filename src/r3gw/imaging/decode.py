@@ -5,6 +5,7 @@ before anything is decoded, and whatever a decoder says of a broken file becomes
 """
 
 import io
+import re
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,19 +13,19 @@ from typing import Any
 
 import cv2
 import numpy as np
-import pi_heif
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from r3gw.files import InputError
 from r3gw.imaging.formats import DEVELOP, MOST_BYTES, MOST_PIXELS
+from r3gw.imaging.heic import decode_heic, is_heic
 from r3gw.imaging.orientation import STORED_UPRIGHT, stored_from_upright, upright_from_stored
 
-pi_heif.register_heif_opener()
-
-_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "HEIF", "BMP", "GIF")
+_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "BMP", "GIF")
 _ANIMATED = ("WEBP", "AVIF", "PNG", "GIF")
 _ORIENTATION_TAG, _NEW_SUBFILE_TAG, _DNG_VERSION_TAG = 0x0112, 0x00FE, 0xC612
+_RAW_DEPTH = re.compile(r";(\d+)")
+_MOST_DEFLATED = 1032  # times its size is all that deflated data can grow to (RFC 1951)
 _BROKEN = "not a readable picture (truncated or of another format?)"
 
 Pixels = NDArray[Any]  # uint8, uint16 or float32
@@ -74,10 +75,13 @@ def read_picture(path: Path) -> Picture:
         raise InputError(f"{path}: is larger than {MOST_BYTES >> 20} MiB, which no photo is")
     data = path.read_bytes()
     try:
+        if is_heic(data):
+            return _of_heic(*decode_heic(path))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of odd metadata, which does not matter here
             with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
                 _refuse_unfit(image, path)
+                _refuse_hollow_png(image, len(data))
                 return _decoded(image, data, path)
     except InputError:
         raise
@@ -110,6 +114,11 @@ def read_opaque(path: Path) -> NDArray[np.bool_] | None:
     return read_picture(path).is_opaque if has_alpha else None
 
 
+def _of_heic(pixels: NDArray[np.uint8], exif: bytes) -> Picture:
+    alpha = pixels[..., 3] if pixels.shape[2] == 4 else None
+    return Picture(pixels[..., :3], alpha, STORED_UPRIGHT, exif)
+
+
 def eight_bits(values: Pixels) -> NDArray[np.uint8]:
     """Values in 8 bits; 65535 becomes 255, and floats must lie in 0 to 1."""
     if values.dtype == np.uint8:
@@ -135,6 +144,22 @@ def _refuse_unfit(image: Any, path: Path) -> None:
             f"{path}: holds {frames} pictures (an animation or pages); save the one that is meant "
             "as PNG, or give a film as MP4"
         )
+
+
+def _refuse_hollow_png(image: Any, num_bytes: int) -> None:
+    """Refuse a PNG that cannot hold the pixels that its header claims; Pillow would fill them in.
+
+    Raises:
+        ValueError: If even the best deflated data of this length would be too short.
+    """
+    if image.format != "PNG" or not image.tile:
+        return
+    width, height = image.size
+    raw_mode = str(image.tile[0][3])
+    depth = _RAW_DEPTH.search(raw_mode)
+    bits = int(depth.group(1)) if depth else (1 if raw_mode == "1" else 8)
+    if width * height * bits * len(image.getbands()) > 8 * _MOST_DEFLATED * num_bytes:
+        raise ValueError(f"{num_bytes} bytes cannot hold {width}x{height} px")
 
 
 def _has_equal_pages(image: Any) -> bool:

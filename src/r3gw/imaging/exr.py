@@ -14,7 +14,7 @@ import numpy as np
 import OpenEXR
 from numpy.typing import NDArray
 
-from r3gw.files import InputError, atomic_path
+from r3gw.files import InputError, write_bytes
 from r3gw.imaging.formats import MOST_BYTES, MOST_PIXELS
 
 _FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)
@@ -65,18 +65,11 @@ def read_exr(path: Path) -> NDArray[np.float32]:
 
 
 def write_exr(path: Path, image: NDArray[np.float32]) -> None:
-    """Write linear float32 RGB ``[H, W, 3]`` as a 32-bit EXR, atomically and read back."""
+    """Write linear float32 RGB ``[H, W, 3]`` as a 32-bit EXR, atomically."""
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    pixels = np.ascontiguousarray(image, dtype=np.float32)
-    with atomic_path(path) as temporary:
-        OpenEXR.File(header, {"RGB": pixels}).write(str(temporary))
-        # OpenEXR may not hear of a full disk: only what can be read back counts as written.
-        try:
-            is_whole = np.array_equal(read_exr(temporary), pixels, equal_nan=True)
-        except InputError:
-            is_whole = False
-        if not is_whole:
-            raise OSError(f"{path}: could not be written whole; is the disk full?")
+    stream = io.BytesIO()
+    OpenEXR.File(header, {"RGB": np.ascontiguousarray(image, dtype=np.float32)}).write(stream)
+    write_bytes(path, stream.getvalue())
 
 
 def _opened(data: bytes, path: Path, *, header_only: bool) -> Any:

@@ -4,6 +4,7 @@ Readers hand in a pose (a matrix or a quaternion) and a `Lens`; what comes out i
 value that cannot be meant is refused here, in one sentence, and nowhere else.
 """
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -41,6 +42,7 @@ def pose_from_matrix(world_from_cam: NDArray[np.float64], source: str) -> NDArra
     """
     if not np.isfinite(world_from_cam).all():
         raise InputError(f"{source}: the pose holds NaN or infinity; {_REMEDY}")
+    _require_near(world_from_cam[:3, 3], source)
     turn = world_from_cam[:3, :3]
     left, stretch, right = np.linalg.svd(turn)
     rigid = np.abs(stretch - 1.0).max() < _TURN_TOLERANCE and np.linalg.det(turn) > 0
@@ -65,7 +67,8 @@ def pose_from_quaternion(
     shift = np.asarray(translation, dtype=np.float64)
     if not np.isfinite(wxyz).all() or not np.isfinite(shift).all():
         raise InputError(f"{source}: the pose holds NaN or infinity; {_REMEDY}")
-    length = float(np.linalg.norm(wxyz))
+    _require_near(shift, source)
+    length = math.hypot(*wxyz)
     if abs(length - 1.0) > _QUATERNION_TOLERANCE:
         raise InputError(
             f"{source}: the pose's quaternion has the length {length:g} instead of 1, so it is no "
@@ -95,9 +98,7 @@ def camera_of(cam_from_world: NDArray[np.float64], lens: Lens, source: str) -> C
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{source}: the camera cannot be undistorted ({reason})") from None
-    if not np.abs(cam_from_world[:3, 3]).max() <= MOST_UNITS:
-        away = float(np.abs(cam_from_world[:3, 3]).max())
-        raise InputError(f"{source}: the camera is {away:g} units away; {_REMEDY}")
+    _require_near(cam_from_world[:3, 3], source)
     values = np.append(cam_from_world.ravel(), intrinsics)
     if not np.isfinite(values).all() or min(*intrinsics[:2], width, height) <= 0:
         raise InputError(
@@ -115,6 +116,12 @@ def picture_size(path: Path) -> tuple[int, int]:
     """
     height, width = read_rgb_as_stored(path).shape[:2]
     return width, height
+
+
+def _require_near(shift: NDArray[np.float64], source: str) -> None:
+    away = float(np.abs(shift).max())
+    if not away <= MOST_UNITS:
+        raise InputError(f"{source}: the camera is {away:g} units away; {_REMEDY}")
 
 
 def _check_lens(lens: Lens, source: str) -> None:

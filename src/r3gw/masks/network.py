@@ -4,6 +4,8 @@ The network gets one photo at a time as float32 ``[1, 3, h, w]`` (RGB, normalise
 with scores ``[1, classes, h', w']`` or with class ids ``[1, h', w']`` or ``[1, 1, h', w']``.
 """
 
+import subprocess
+import sys
 from pathlib import Path
 
 import cv2
@@ -12,6 +14,14 @@ from numpy.typing import NDArray
 
 from r3gw.files import InputError
 from r3gw.masks.settings import NetworkSettings
+
+_CHILD = """
+import sys
+import cv2, numpy as np
+net = cv2.dnn.readNetFromONNX(sys.argv[1])
+net.setInput(np.zeros((1, 3, int(sys.argv[2]), int(sys.argv[3])), np.float32))
+net.forward()
+"""
 
 Rgb = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
@@ -30,6 +40,7 @@ class SegmentationNetwork:
         self._path = Path(settings.model)
         if not self._path.is_file():
             raise InputError(f"{self._path}: no such network; correct 'network: model'")
+        _try_in_child(self._path, settings)
         try:
             self._net = cv2.dnn.readNetFromONNX(str(self._path))
         except cv2.error as error:
@@ -55,8 +66,8 @@ class SegmentationNetwork:
         filter_ = cv2.INTER_AREA if photo.shape[1] > size[0] else cv2.INTER_LINEAR
         scaled = cv2.resize(photo, size, interpolation=filter_).astype(np.float32) / 255.0
         normal = (scaled - np.array(settings.mean)) / np.array(settings.std)
-        self._net.setInput(np.ascontiguousarray(normal.transpose(2, 0, 1)[None], np.float32))
         try:
+            self._net.setInput(np.ascontiguousarray(normal.transpose(2, 0, 1)[None], np.float32))
             return np.asarray(self._net.forward())
         except cv2.error as error:
             raise InputError(
@@ -85,6 +96,22 @@ class SegmentationNetwork:
                 f"class {highest}; correct 'sky' and 'occluders' of 'network'"
             )
         return _best(maps.astype(np.float32), width, height)
+
+
+def _try_in_child(path: Path, settings: NetworkSettings) -> None:
+    """Run the network once in another process, which OpenCV ends on some damaged files.
+
+    Raises:
+        InputError: If it did. What OpenCV merely refuses is left to the caller, who has words.
+    """
+    size = str(settings.height_px), str(settings.width_px)
+    command = [sys.executable, "-c", _CHILD, str(path.absolute()), *size]
+    done = subprocess.run(command, capture_output=True, check=False)
+    if done.returncode < 0:
+        raise InputError(
+            f"{path}: OpenCV breaks down over this network (signal {-done.returncode}); export it "
+            "to ONNX again, with a common opset such as 13"
+        )
 
 
 def _best(scores: NDArray[np.float32], width: int, height: int) -> NDArray[np.int64]:

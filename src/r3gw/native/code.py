@@ -24,7 +24,7 @@ def code_digest(modules: Iterable[str], imports: Imports) -> str:
 
     Args:
         modules: Full names, such as ``r3gw.training.run``.
-        imports: Of the package r3gw.
+        imports: Who imports what in the package r3gw.
 
     Raises:
         InputError: If the extension is reached, but is missing or built from other sources than

@@ -26,7 +26,7 @@ def take(operator: str, *tensors: Tensor) -> bool:
 
     Args:
         operator: Name below ``torch.ops.r3gw``.
-        tensors: Of its arguments, the floating ones that decide.
+        tensors: Those of its arguments, of floating point, that decide.
     """
     return _ARE_ON.get() and all(
         tensor.dtype == torch.float32 and _is_registered(operator, tensor.device.type)

@@ -204,8 +204,8 @@ def picture_losses(
         target: uint8.
         is_valid, is_sky: Masks.
         weights: L1, 1 - SSIM, normals, Eq. 15, silhouette.
-        solid: Of the silhouette.
-        intrinsics, cam_from_world: Of the camera, the latter float64.
+        solid: How much the silhouette asks of pixels that are not sky.
+        intrinsics, cam_from_world: The camera's, the latter float64.
     """
     masks = (is_valid, is_sky)
     camera = (intrinsics, cam_from_world)

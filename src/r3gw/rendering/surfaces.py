@@ -57,7 +57,7 @@ def _array(picture: Float[Tensor, "*shape"]) -> Float[np.ndarray, "*shape"]:
 
 
 @torch.no_grad()
-def apart(
+def foreground_and_sky(
     model: SceneModel,
     camera: Camera,
     light: Float[Tensor, "coeff 3"],

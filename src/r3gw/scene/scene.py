@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from r3gw.files import InputError, write_json
 from r3gw.files.names import inside, leads_outside
@@ -106,9 +106,17 @@ class View(Strict):
 class Gauge(Strict):
     """The similarity ``scene_from_source`` that the import applied (identity if none)."""
 
-    scale: float
+    scale: float = Field(gt=0)
     rotation: tuple[Row3, Row3, Row3]
     translation: Row3
+
+    @field_validator("rotation")
+    @classmethod
+    def _is_rotation(cls, rows: tuple[Row3, Row3, Row3]) -> tuple[Row3, Row3, Row3]:
+        turn = np.array(rows)
+        if not np.allclose(turn @ turn.T, np.eye(3), rtol=0, atol=1e-4) or np.linalg.det(turn) < 0:
+            raise ValueError("is no rotation")
+        return rows
 
     @staticmethod
     def of(similarity: Similarity) -> "Gauge":

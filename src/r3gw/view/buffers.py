@@ -108,7 +108,7 @@ def shortest_last(
 
     Args:
         quaternions: wxyz, any length > 0.
-        log_scales: Of the axes.
+        log_scales: Logarithms of the axes' standard deviations.
 
     Returns:
         Unit quaternions **xyzw** with w >= 0, and log scales.

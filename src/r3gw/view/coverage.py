@@ -28,7 +28,7 @@ def coverage(splats: Relightable, cameras: Sequence[Camera]) -> dict[str, Any] |
 
     Args:
         splats: The scene.
-        cameras: Of the training photos.
+        cameras: Cameras of the training photos.
 
     Returns:
         None if there is no foreground or no camera.

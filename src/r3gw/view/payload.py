@@ -1,7 +1,8 @@
 """Everything that a page knows, as JSON and named blobs of bytes (web/src/payload.ts)."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import pi, sqrt
 from pathlib import Path
 from typing import Any
@@ -36,12 +37,14 @@ class PageOptions:
         most_gaussians: More are thinned out, the least visible first.
         most_pictures: Photos to fade to; further photos are cameras and thumbnails alone.
         facts: Lines about the run, shown as they are.
+        start: The state in which it opens (r3gw.view.start), over the page's own.
     """
 
     title: str | None = None
     most_gaussians: int = 300_000
     most_pictures: int = 60
     facts: tuple[str, ...] = ()
+    start: Mapping[str, Any] = field(default_factory=dict)
 
 
 DEFAULTS = PageOptions()
@@ -108,6 +111,7 @@ def payload_of(
         "depthRange": _depth_range(shown, cameras),
         "coverage": coverage(shown, cameras),
         "facts": list(options.facts),
+        "start": dict(options.start),
         "licences": "\n\n".join((BUNDLE / name).read_text() for name in LICENCES),
     }
     return Payload(json.loads(json.dumps(facts)), blobs)

@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from support.made_up_place import SIZE, place_photo
 
+from r3gw.files import InputError
 from r3gw.importing.reader import Effort
 from r3gw.importing.reconstruction import matching
 from r3gw.importing.reconstruction.matching import match_photos
@@ -81,6 +82,11 @@ def test_neighbours_in_space_across_the_date_line(matched):
     for i in range(80):
         nearest = np.argsort(np.linalg.norm(metres - metres[i], axis=1))[1:26]
         assert {(min(i, int(j)), max(i, int(j))) for j in nearest} <= pairs
+
+
+def test_places_that_most_photos_do_not_tell_cannot_choose(matched):
+    with pytest.raises(InputError, match="only 1 of 4 photos have it; choose 'retrieval'"):
+        matched([(1.0, 2.0, 0.0), None, None, None], "spatial")
 
 
 @pytest.mark.slow

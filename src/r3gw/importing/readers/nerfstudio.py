@@ -42,7 +42,7 @@ from r3gw.scene.names import ByPhoto, key_of, normalised
 
 # scene (up -y) from nerfstudio's world (up z); the same turn that its COLMAP import takes back.
 UPRIGHT_FROM_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-_OPENCV_FROM_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
+_OPENCV_SIGNS = np.array([1.0, -1.0, -1.0, 1.0])  # of a pose's columns, from OpenGL's axes
 
 
 class NerfstudioReader(Reader[NerfstudioScene]):
@@ -178,4 +178,4 @@ def _pose(frame: Frame, photo: Path) -> NDArray[np.float64]:
         raise InputError(f"{photo}: 'transform_matrix' is not 4x4; correct transforms.json")
     last = rows[3] if len(rows) == 4 else [0.0, 0.0, 0.0, 1.0]
     world_from_opengl = np.array([*rows[:3], last])
-    return pose_from_matrix(world_from_opengl @ _OPENCV_FROM_OPENGL, str(photo))
+    return pose_from_matrix(world_from_opengl * _OPENCV_SIGNS, str(photo))

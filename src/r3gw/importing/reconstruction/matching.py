@@ -14,6 +14,7 @@ import pycolmap
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from r3gw.files import InputError
 from r3gw.importing.reader import Effort
 from r3gw.importing.reconstruction.prepared import PreparedPhoto
 from r3gw.importing.reconstruction.retrieval import alike_pairs
@@ -41,6 +42,9 @@ def match_photos(
         matching: How pairs are chosen; None: all of them up to sixty photos, beyond that by
             likeness, by order and by place.
         effort: Threads and seed.
+
+    Raises:
+        InputError: If places are to choose, but less than half of the photos tell theirs.
     """
     chosen = matching or ("exhaustive" if len(photos) <= MOST_EXHAUSTIVE else "retrieval")
     if chosen == "exhaustive":
@@ -48,6 +52,7 @@ def match_photos(
     elif chosen == "sequential":
         pairs = set(_doubling(photos))
     elif chosen == "spatial":
+        _require_places(photos)
         pairs = set(_near_in_space(photos)) | set(_following(photos, _FOLLOWING))
     else:
         pairs = set(alike_pairs(database, _ALIKE, effort.seed)) | set(
@@ -92,6 +97,15 @@ def _doubling(photos: Sequence[PreparedPhoto]) -> list[Pair]:
         (names[i], names[i + step]) for i in range(len(names)) for step in steps
         if i + step < len(names)
     ]  # fmt: skip
+
+
+def _require_places(photos: Sequence[PreparedPhoto]) -> None:
+    placed = sum(photo.place is not None for photo in photos)
+    if 2 * placed < len(photos):
+        raise InputError(
+            f"'matching: spatial' needs GPS in EXIF, but only {placed} of {len(photos)} photos "
+            "have it; choose 'retrieval' or leave 'matching' out"
+        )
 
 
 def _near_in_space(photos: Sequence[PreparedPhoto]) -> list[Pair]:

@@ -133,6 +133,13 @@ def read_ply(path: Path) -> Relightable:
             f"{path}: no relightable scene (it lacks r3gw's property {lacking[0]}); "
             "give the relightable.ply of `python -m r3gw export`"
         )
+    if len(transfer) not in (0, (facts.light_degree + 1) ** 2):
+        raise InputError(
+            f"{path}: has {len(transfer)} occlusion properties, which light of degree "
+            f"{facts.light_degree} does not need; export the scene again"
+        )
+    if not _columns(rows, ROTATION).any(dim=1).all():
+        raise InputError(f"{path}: has an orientation (rot) of zeros; export the scene again")
     numbers = [name for name in needed if name != "is_sky"]
     if not all(np.isfinite(rows[name]).all() for name in numbers):
         raise InputError(f"{path}: holds NaN or infinite values; export the scene again")

@@ -16,7 +16,7 @@ class KnownLoss:
     Attributes:
         value: The weighted loss.
         inputs: What it depends on.
-        gradients: Of the weighted loss by each input.
+        gradients: Gradient of the weighted loss by each of the inputs.
     """
 
     value: float
