@@ -32,6 +32,7 @@ PEAKS_MB = [
     ((1600, 1200), 200_000, {}, 1164),
     ((240, 180), 25_000, {"occlusion": {"enabled": True}}, 774),
     ((640, 480), 60_000, {"occlusion": {"enabled": True}}, 966),
+    ((1600, 1200), 200_000, {"occlusion": {"enabled": True}}, 4230),
 ]
 
 

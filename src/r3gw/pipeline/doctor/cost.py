@@ -54,18 +54,16 @@ class MeasuredShadows:
 
     Attributes:
         us_per_ray: Time of one direction of one Gaussian, each time that shadows are cast.
-        base_mb: Memory that casting needs at least (10^6 bytes).
-        kb_per_gaussian: Memory per Gaussian while casting (10^3 bytes).
+        kb_per_gaussian: Memory per Gaussian beyond what training needs (10^3 bytes).
     """
 
     us_per_ray: float
-    base_mb: float
     kb_per_gaussian: float
 
 
 # Chapel, 25,000 Gaussians: 58 s against 25 s of `full` (docs/studies.md), shadows cast 7 times in
 # 64 directions. Memory: docs/performance.md.
-SHADOWS = MeasuredShadows(us_per_ray=3.7, base_mb=270.0, kb_per_gaussian=1.5)
+SHADOWS = MeasuredShadows(us_per_ray=3.7, kb_per_gaussian=10.9)
 
 
 @dataclass(frozen=True)
@@ -85,8 +83,8 @@ def shadows_cost(casts: float, directions: int, gaussians: float, last_gaussians
         gaussians: Mean number over the training.
         last_gaussians: Number at its end.
     """
-    memory_mb = SHADOWS.base_mb + 1e-3 * SHADOWS.kb_per_gaussian * last_gaussians
-    return Cost(1e-6 * SHADOWS.us_per_ray * casts * directions * gaussians, memory_mb)
+    seconds = 1e-6 * SHADOWS.us_per_ray * casts * directions * gaussians
+    return Cost(seconds, 1e-3 * SHADOWS.kb_per_gaussian * last_gaussians)
 
 
 def predicted_cost(
