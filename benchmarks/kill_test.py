@@ -47,11 +47,20 @@ CONFIG = {
 }  # fmt: skip
 
 
+def copy_checkout(target: Path) -> Path:
+    """What the workflow is made of, so that an edit meanwhile changes nothing."""
+    without = shutil.ignore_patterns("__pycache__", "*.egg-info", ".snakemake")
+    for name in ("workflow", "config", "profiles", "src"):
+        shutil.copytree(REPOSITORY / name, target / name, ignore=without)
+    shutil.copy(REPOSITORY / "Snakefile", target)
+    return target
+
+
 def start(folder: Path) -> subprocess.Popen[bytes]:
     """Start the workflow in a process group of its own."""
     line = [sys.executable, "-m", "snakemake", "--cores", "2", "--configfile", "mine.yaml"]
     environment = os.environ | {
-        "PYTHONPATH": str(REPOSITORY / "src"),
+        "PYTHONPATH": str(folder.parent / "checkout" / "src"),
         "R3GW_CHECKPOINT_SECONDS": "2",
         "XDG_CACHE_HOME": str(folder / "cache"),
     }
@@ -66,7 +75,7 @@ def prepare(folder: Path) -> Path:
     """A folder with the workflow and the small configuration."""
     folder.mkdir(parents=True)
     for name in ("workflow", "config", "profiles", "Snakefile"):
-        (folder / name).symlink_to(REPOSITORY / name)
+        (folder / name).symlink_to(folder.parent / "checkout" / name)
     (folder / "mine.yaml").write_text(yaml.safe_dump(CONFIG))
     return folder
 
@@ -136,6 +145,7 @@ def main() -> None:
 
 def test(base: Path, wanted: int, longest_s: float, draw: random.Random) -> int:
     """Kill ``wanted`` times, to the end of the last run; returns the exit status."""
+    copy_checkout(base / "checkout")
     calm = prepare(base / "calm")
     if (status := start(calm).wait()) != 0:
         print(f"the calm run failed with status {status}:", (calm / "run.log").read_text())

@@ -116,3 +116,10 @@ def test_damaged_file(tmp_path):
     (tmp_path / "c.exr").write_bytes(b"\x89PNG\r\n\x1a\n")
     with pytest.raises(InputError, match=r"c\.exr: not a readable EXR picture"):
         read_linear(tmp_path / "c.exr")
+
+
+def test_channel_names_that_are_no_text(tmp_path):
+    path = exr(tmp_path / "a.exr", {"R": R, "G": G, "B": B, "Z": A})
+    path.write_bytes(path.read_bytes().replace(b"Z\0", b"\xff\0"))
+    with pytest.raises(InputError, match=r"a\.exr: not a readable EXR picture \(names of its"):
+        read_linear(path)

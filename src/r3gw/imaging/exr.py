@@ -106,7 +106,10 @@ def _chosen(parts: list[Any], path: Path) -> _Layer:
     Raises:
         InputError: Naming the channels, if there is none or more than one.
     """
-    names = [[channel.name for channel in part.header["channels"]] for part in parts]
+    try:
+        names = [[channel.name for channel in part.header["channels"]] for part in parts]
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a readable EXR picture (names of its channels)") from None
     layers = [layer for number, part in enumerate(names) for layer in _layers(number, part)]
     plain = [layer for layer in layers if not layer.name]
     for wanted in (plain, layers):

@@ -1,8 +1,10 @@
 """Predictions agree with the run that they are made from, and grow with what costs."""
 
 import pytest
+from support.settings import train_settings
 
 from r3gw.pipeline.doctor.cost import MEASURED, predicted_cost, spoken_time
+from r3gw.pipeline.doctor.training import SceneSize, predicted
 
 
 def test_the_measured_run_is_predicted():
@@ -21,6 +23,36 @@ def test_cost_above_the_fixed_part_is_proportional():
     longer = predicted_cost(3000, 10_000, 15_000, 43_200.0, 1_000_000)
     assert longer.seconds == pytest.approx(3 * one.seconds, rel=1e-9, abs=0)
     assert longer.memory_mb == one.memory_mb
+
+
+# Peak memory of short trainings that begin with all Gaussians, 20 photos (docs/performance.md).
+PEAKS_MB = [
+    ((240, 180), 25_000, {}, 468),
+    ((640, 480), 60_000, {}, 607),
+    ((1600, 1200), 200_000, {}, 1164),
+    ((240, 180), 25_000, {"occlusion": {"enabled": True}}, 774),
+    ((640, 480), 60_000, {"occlusion": {"enabled": True}}, 966),
+    ((1600, 1200), 200_000, {"occlusion": {"enabled": True}}, 4230),
+]
+
+
+@pytest.mark.parametrize(("size_px", "gaussians", "changes", "measured_mb"), PEAKS_MB)
+def test_predicted_memory_is_that_of_measured_runs(size_px, gaussians, changes, measured_mb):
+    pixels = size_px[0] * size_px[1]
+    size = SceneSize(foreground=gaussians, sky=0, photos=20, photo_pixels=20 * pixels)
+    settings = train_settings(density={"max_gaussians": gaussians}, **changes)
+    assert measured_mb / 1.3 < predicted(settings, size).memory_mb < 1.3 * measured_mb
+
+
+def test_shadows_take_the_time_that_a_run_with_them_took():
+    """58 s against 25 s, 1,000 iterations of the chapel from 11,000 to 25,000 Gaussians."""
+    size = SceneSize(foreground=11_000, sky=0, photos=20, photo_pixels=20 * 240 * 180)
+    density = {"max_gaussians": 25_000}
+    seconds = [
+        predicted(train_settings(iterations=1000, density=density, **changes), size).seconds
+        for changes in ({}, {"occlusion": {"enabled": True}})
+    ]
+    assert seconds[1] - seconds[0] == pytest.approx(58 - 25, rel=0.3, abs=0)
 
 
 @pytest.mark.parametrize(

@@ -34,18 +34,36 @@ class Measured:
 
 
 # Chapel, 240 x 180 px, one core, two trainings at a time: 22.2 s for 1,000 iterations from 11,000
-# to 25,000 Gaussians, so 20.4 ms at 15,000; 464 to 517 MB. How time and memory divide:
-# benchmarks/scaling.py and training_step.py.
+# to 25,000 Gaussians, so 20.4 ms at 15,000. How time divides: benchmarks/scaling.py and
+# training_step.py. Memory: docs/performance.md.
 MEASURED = Measured(
     ms_per_iteration=20.4,
     gaussians=15_000,
     pixels=240 * 180,
     fixed_share=0.25,
     pixel_share=0.30,
-    base_mb=405.0,
-    kb_per_gaussian=0.7,
-    kb_per_pixel=1.0,
+    base_mb=415.0,
+    kb_per_gaussian=1.8,
+    kb_per_pixel=0.1,
 )
+
+
+@dataclass(frozen=True)
+class MeasuredShadows:
+    """What a training takes more if the foreground casts shadows on itself.
+
+    Attributes:
+        us_per_ray: Time of one direction of one Gaussian, each time that shadows are cast.
+        kb_per_gaussian: Memory per Gaussian beyond what training needs (10^3 bytes).
+    """
+
+    us_per_ray: float
+    kb_per_gaussian: float
+
+
+# Chapel, 25,000 Gaussians: 58 s against 25 s of `full` (docs/studies.md), shadows cast 7 times in
+# 64 directions. Memory: docs/performance.md.
+SHADOWS = MeasuredShadows(us_per_ray=3.7, kb_per_gaussian=10.9)
 
 
 @dataclass(frozen=True)
@@ -56,10 +74,23 @@ class Cost:
     memory_mb: float
 
 
+def shadows_cost(casts: float, directions: int, gaussians: float, last_gaussians: int) -> Cost:
+    """Predict what shadows add to one training.
+
+    Args:
+        casts: How often they are cast.
+        directions: Of each Gaussian, every time.
+        gaussians: Mean number over the training.
+        last_gaussians: Number at its end.
+    """
+    seconds = 1e-6 * SHADOWS.us_per_ray * casts * directions * gaussians
+    return Cost(seconds, 1e-3 * SHADOWS.kb_per_gaussian * last_gaussians)
+
+
 def predicted_cost(
     iterations: int, first_gaussians: int, last_gaussians: int, pixels: float, photo_pixels: int
 ) -> Cost:
-    """Predict one training.
+    """Predict one training without shadows.
 
     Args:
         iterations: How many iterations the run has.

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from r3gw.files import InputError
 from r3gw.files.strict import Strict, read_yaml, validated
-from r3gw.pipeline.doctor.cost import Cost, predicted_cost, spoken_time
+from r3gw.pipeline.doctor.cost import Cost, predicted_cost, shadows_cost, spoken_time
 from r3gw.pipeline.doctor.findings import Findings
 from r3gw.training.settings import TrainSettings
 
@@ -81,7 +81,13 @@ def predicted(settings: TrainSettings, size: SceneSize) -> Cost:
     """Time and memory of one training of a scene."""
     last = max(size.gaussians, settings.density.max_gaussians)
     pixels = size.photo_pixels / size.photos
-    return predicted_cost(settings.iterations, size.gaussians, last, pixels, size.photo_pixels)
+    plain = predicted_cost(settings.iterations, size.gaussians, last, pixels, size.photo_pixels)
+    shadows = settings.occlusion
+    if not shadows.enabled:
+        return plain
+    casts = 1 + max(0, settings.paper_iterations - shadows.first) / shadows.interval
+    more = shadows_cost(casts, shadows.directions, 0.5 * (size.gaussians + last), last)
+    return Cost(plain.seconds + more.seconds, plain.memory_mb + more.memory_mb)
 
 
 def physical_memory_mb() -> float:
