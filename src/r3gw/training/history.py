@@ -12,6 +12,7 @@ from r3gw.rendering.compose import Rendering
 from r3gw.training.photos import Photo
 
 ROWS = 200
+LEADING = ("iteration", "loss", "psnr", "num_foreground", "num_sky", "sky_radius")
 
 
 class History:
@@ -58,8 +59,13 @@ class History:
         return row
 
     def write(self, path: Path) -> None:
-        """Write all rows as CSV, atomically; a loss that does not act yet is 0."""
+        """Write all rows as CSV, atomically; a loss that does not act yet is 0.
+
+        Columns have an order of their own: a run that continued from a checkpoint knows the keys
+        of its earlier rows in the order of that file.
+        """
         table = pd.DataFrame(self.rows)
+        table = table[[*LEADING, *sorted(set(table.columns) - {*LEADING})]]
         losses = table.columns.str.startswith("loss")
         table.loc[:, losses] = table.loc[:, losses].fillna(0.0)
         with atomic_path(path) as temporary:
