@@ -93,6 +93,7 @@ def failure_of(write, path):
     return None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_file_is_whole_or_not_there_at_every_fill_level(small_disk, name):
     write, is_whole = WRITERS[name]
@@ -124,6 +125,7 @@ def run(capsys, monkeypatch, *arguments):
     return stopped.value.code, re.split(r"[\r\n]", capsys.readouterr().err.strip())[-1]
 
 
+@pytest.mark.slow
 def test_an_import_is_told_of_a_full_disk_and_repeated_when_there_is_room(
     small_disk, tmp_path, capsys, monkeypatch
 ):
