@@ -20,6 +20,10 @@ r3gwApp.change({ light: "sun", elevation: 40, azimuth: 10 });
 const dome = document.querySelector("#dome");
 dome.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowUp", bubbles: true }));
 const { elevation, azimuth } = r3gwApp.state;
+const ahead = r3gwApp.stage.camera.matrixWorld.elements;
+const turn = document.querySelector("#dome-look").getAttribute("transform").match(/[-.\\d]+/)[0];
+const looks = Math.atan2(-ahead[8], -ahead[10]) * 180 / Math.PI;
+if (Math.abs(Number(turn) - looks) > 1) throw new Error(`${turn} is not ${looks}`);
 return [elevation, azimuth, dome.getAttribute("aria-valuetext"), dome.closest("[hidden]")];
 """
 LINK = """

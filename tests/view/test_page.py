@@ -5,6 +5,7 @@ import json
 import re
 import zlib
 from base64 import b64decode
+from functools import partial
 from html.parser import HTMLParser
 
 import pytest
@@ -15,8 +16,11 @@ from r3gw.files import InputError
 from r3gw.model.model_file import save_model
 from r3gw.scene import load_scene
 from r3gw.view.daylight import BUNDLE
+from r3gw.view.page import page_of
 from r3gw.view.payload import PageOptions, payload_of
 from r3gw.view.runs import find_run
+
+BLOBS = ("place", "shape", "surface", "table")
 
 
 class Parts(HTMLParser):
@@ -124,6 +128,18 @@ def test_the_command_writes_a_page_of_a_model(tmp_path, model, scene_folder):
     facts = json.loads(blob(parts_of(target.read_text()), "payload"))
     assert facts["numForeground"] == 60
     assert [light["photo"] for light in facts["lights"]] == ["a", "b"]
+
+
+def test_an_export_makes_the_page_of_its_model(tmp_path, model, scene_folder):
+    save_model(model, tmp_path / "model.safetensors")
+    common = ["--model", str(tmp_path / "model.safetensors"), "--scene", str(scene_folder)]
+    export = ["export", *common, "--light-of", "a", "--target", str(tmp_path / "exported")]
+    assert CliRunner().invoke(cli, export, catch_exceptions=False).exit_code == 0
+    found = []
+    for source in (tmp_path / "model.safetensors", tmp_path / "exported" / "relightable.ply"):
+        parts = parts_of(page_of(source, scene_folder))
+        found.append([json.loads(blob(parts, "payload")), *map(partial(blob, parts), BLOBS)])
+    assert found[0] == found[1]
 
 
 def test_a_model_without_a_scene_of_photos_is_refused(gaussians, scene_folder):

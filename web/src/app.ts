@@ -22,6 +22,8 @@ export interface View {
   /** The photo whose camera the view has exactly, and its lens; null if it was moved. */
   atPhoto(photo: Photo | null): void;
   coverage(sentence: string): void;
+  /** Azimuth in which the viewer looks, degrees from +z towards +x. */
+  look(azimuth: number): void;
 }
 
 export class App {
@@ -53,7 +55,7 @@ export class App {
     this.pace = new Pace((scale) => this.setScale(scale));
     stage.onFrame = (milliseconds) => this.pace.frame(milliseconds);
     const focus = new THREE.Vector3(...(payload.focus as [number, number, number]));
-    this.navigation = new Navigation(stage.camera, canvas, focus, (byHand) => this.moved(byHand));
+    this.navigation = new Navigation(stage.camera, canvas, focus, () => this.moved());
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.readHash();
     addEventListener("hashchange", () => this.readHash());
@@ -146,7 +148,7 @@ export class App {
     this.change({});
   }
 
-  private moved(_isByHand: boolean): void {
+  private moved(): void {
     this.pace.moved();
     this.stage.request();
     this.changed();
@@ -172,6 +174,8 @@ export class App {
   private changed(): void {
     this.view?.show(this.state);
     this.view?.atPhoto(this.photoHere());
+    const ahead = new THREE.Vector3(0, 0, -1).applyQuaternion(this.stage.camera.quaternion);
+    this.view?.look((Math.atan2(ahead.x, ahead.z) * 180) / Math.PI);
     clearTimeout(this.quiet);
     this.quiet = window.setTimeout(() => this.settled(), QUIET_MS);
   }

@@ -41,6 +41,9 @@ export function connect(app: App): void {
       cameras.mark(photo?.name ?? null);
       fade(photo);
     },
+    look(azimuth) {
+      dome.look(azimuth);
+    },
     coverage(sentence) {
       element("coverage").textContent = sentence;
     },

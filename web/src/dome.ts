@@ -38,6 +38,11 @@ export class Dome {
     this.svg.setAttribute("aria-valuetext", text);
   }
 
+  /** Show which way the viewer looks. */
+  look(azimuth: number): void {
+    this.svg.querySelector("#dome-look")!.setAttribute("transform", `rotate(${azimuth})`);
+  }
+
   private follow(event: PointerEvent): void {
     const box = this.svg.getBoundingClientRect();
     const view = this.svg.viewBox.baseVal;

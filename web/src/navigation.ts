@@ -28,10 +28,10 @@ export class Navigation {
     private readonly camera: THREE.PerspectiveCamera,
     canvas: HTMLCanvasElement,
     private readonly focus: THREE.Vector3,
-    private readonly onMove: (isByHand: boolean) => void,
+    private readonly onMove: () => void,
   ) {
     this.controls = new OrbitControls(camera, canvas);
-    this.controls.addEventListener("change", () => this.onMove(true));
+    this.controls.addEventListener("change", () => this.onMove());
     this.controls.addEventListener("start", () => this.stop());
     canvas.addEventListener("keydown", (event) => this.press(event));
     canvas.addEventListener("keyup", (event) => this.pressed.delete(event.key.toLowerCase()));
@@ -78,7 +78,7 @@ export class Navigation {
     this.camera.position.copy(pose.position);
     this.camera.quaternion.copy(pose.quaternion);
     this.aim();
-    this.onMove(false);
+    this.onMove();
   }
 
   /** Put the point that drags turn about straight ahead. */
@@ -116,7 +116,7 @@ export class Navigation {
     shift.multiplyScalar(speed * seconds).applyQuaternion(this.camera.quaternion);
     this.camera.position.add(shift);
     this.turn(yaw * TURN_PER_S * seconds, pitch * TURN_PER_S * seconds);
-    this.onMove(true);
+    this.onMove();
     if (this.pressed.size) requestAnimationFrame((next) => this.walk(next));
   }
 

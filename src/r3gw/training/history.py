@@ -1,9 +1,9 @@
 """history.csv: what a training did, a row every few iterations."""
 
+import csv
 import time
 from pathlib import Path
 
-import pandas as pd
 import torch
 
 from r3gw.files import atomic_path
@@ -12,6 +12,7 @@ from r3gw.rendering.compose import Rendering
 from r3gw.training.photos import Photo
 
 ROWS = 200
+LEADING = ("iteration", "loss", "psnr", "num_foreground", "num_sky", "sky_radius")
 
 
 class History:
@@ -58,12 +59,23 @@ class History:
         return row
 
     def write(self, path: Path) -> None:
-        """Write all rows as CSV, atomically; a loss that does not act yet is 0."""
-        table = pd.DataFrame(self.rows)
-        losses = table.columns.str.startswith("loss")
-        table.loc[:, losses] = table.loc[:, losses].fillna(0.0)
-        with atomic_path(path) as temporary:
-            table.to_csv(temporary, index=False, float_format="%.6g")
+        """Write all rows as CSV, atomically; a loss that does not act yet is 0.
+
+        Columns have an order of their own: a run that continued from a checkpoint knows the keys
+        of its earlier rows in the order of that file.
+        """
+        names = {name for row in self.rows for name in row}
+        columns = [*LEADING, *sorted(names - {*LEADING})]
+        with atomic_path(path) as temporary, temporary.open("w", newline="") as stream:
+            table = csv.DictWriter(stream, columns, restval="0", lineterminator="\n")
+            table.writeheader()
+            table.writerows(
+                {name: _spoken(value) for name, value in row.items()} for row in self.rows
+            )
+
+
+def _spoken(value: float | int) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 @torch.no_grad()
