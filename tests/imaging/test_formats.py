@@ -217,3 +217,16 @@ def test_a_heic_that_ends_its_decoder_is_refused(tmp_path, monkeypatch):
     path.write_bytes(heic.TURNED[:500])
     with pytest.raises(InputError, match=r"a\.heic: not a readable picture"):
         read_picture(path)
+
+
+def test_a_chunk_that_claims_gigabytes_is_refused_fast(tmp_path):
+    """OpenCV sets aside and clears what a chunk claims, which takes seconds."""
+    path = tmp_path / "a.png"
+    cv2.imwrite(str(path), np.zeros((12, 16, 3), np.uint16))
+    data = path.read_bytes()
+    end = data.index(b"IEND") - 4
+    path.write_bytes(data[:end] + b"\x7f\xff\xff\x00tEXt" + data[end:])
+    begin = time.perf_counter()
+    with pytest.raises(InputError, match=r"a chunk of 2147483392 bytes is longer than the file"):
+        read_picture(path)
+    assert time.perf_counter() - begin < 2.0
