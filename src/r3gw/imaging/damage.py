@@ -43,23 +43,27 @@ def jpeg_is_whole(data: bytes) -> bool:
     return data.find(b"\xff\xd9", position) >= 0
 
 
-def png_is_whole(data: bytes) -> bool:
-    """Whether the checksums of a PNG's critical chunks hold; Pillow does not look at pixels' own.
+def refuse_altered_png(data: bytes) -> None:
+    """Refuse a PNG with altered pixels, or a chunk for which OpenCV sets aside more than is there.
 
-    A wrong checksum of an ancillary chunk, such as a colour profile, spoils no pixel (W3C, PNG
-    Specification, 5.3 and 5.4: capital letters mark critical chunks).
+    Pillow does not look at the checksums of pixels. A wrong one of an ancillary chunk, such as a
+    colour profile, spoils no pixel (W3C, PNG Specification, 5.3 and 5.4: capital letters mark
+    critical chunks).
+
+    Raises:
+        ValueError: If a chunk is longer than the file, or the checksum of a critical one is wrong.
     """
     position = len(_PNG_MAGIC)
     view = memoryview(data)
-    while position + 12 <= len(data):
+    while position + 8 <= len(data):
         length = int.from_bytes(view[position : position + 4], "big")
         kind = bytes(view[position + 4 : position + 8])
         end = position + 8 + length
-        if kind[:1].isupper():
-            stated = int.from_bytes(view[end : end + 4], "big")
-            if end + 4 > len(data) or zlib.crc32(view[position + 4 : end]) != stated:
-                return False
+        if end + 4 > len(data):
+            raise ValueError(f"a chunk of {length} bytes is longer than the file")
+        stated = int.from_bytes(view[end : end + 4], "big")
+        if kind[:1].isupper() and zlib.crc32(view[position + 4 : end]) != stated:
+            raise ValueError("its checksums do not fit its pixels")
         if kind == b"IEND":
-            return True
+            return
         position = end + 4
-    return False

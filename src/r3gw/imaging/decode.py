@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from r3gw.files import InputError
-from r3gw.imaging.damage import jpeg_is_whole, png_is_whole, unread_reason
+from r3gw.imaging.damage import jpeg_is_whole, refuse_altered_png, unread_reason
 from r3gw.imaging.formats import DEVELOP, MOST_BYTES, MOST_PIXELS
 from r3gw.imaging.heic import decode_heic, is_heic
 from r3gw.imaging.orientation import STORED_UPRIGHT, stored_from_upright, upright_from_stored
@@ -193,8 +193,8 @@ def _decoded(image: Any, data: bytes, path: Path) -> Picture:
         if not jpeg_is_whole(data):
             raise InputError(f"{path}: {_BROKEN}; {_AGAIN}")
         return Picture(_by_opencv(data, path, image.mode), None, orientation, exif)
-    if image.format == "PNG" and not png_is_whole(data):
-        raise InputError(f"{path}: {_BROKEN}: its checksums do not fit; {_AGAIN}")
+    if image.format == "PNG":
+        refuse_altered_png(data)
     image.load()
     pixels, alpha = _channels(image)
     if has_16_bits and image.mode in ("RGB", "RGBA", "LA"):

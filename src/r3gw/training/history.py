@@ -12,6 +12,7 @@ from r3gw.rendering.compose import Rendering
 from r3gw.training.photos import Photo
 
 ROWS = 200
+LEADING = ("iteration", "loss", "psnr", "num_foreground", "num_sky", "sky_radius")
 
 
 class History:
@@ -58,8 +59,13 @@ class History:
         return row
 
     def write(self, path: Path) -> None:
-        """Write all rows as CSV, atomically; a loss that does not act yet is 0."""
-        columns = list(dict.fromkeys(name for row in self.rows for name in row))
+        """Write all rows as CSV, atomically; a loss that does not act yet is 0.
+
+        Columns have an order of their own: a run that continued from a checkpoint knows the keys
+        of its earlier rows in the order of that file.
+        """
+        names = {name for row in self.rows for name in row}
+        columns = [*LEADING, *sorted(names - {*LEADING})]
         with atomic_path(path) as temporary, temporary.open("w", newline="") as stream:
             table = csv.DictWriter(stream, columns, restval="0", lineterminator="\n")
             table.writeheader()

@@ -304,7 +304,7 @@ TARGETS = {
     "photo.webp": picture("WEBP", "a.webp", 4),
     "photo.avif": picture("AVIF", "a.avif"),
     "photo.bmp": picture("BMP", "a.bmp"),
-    "photo.heic": Target(_heic, lambda folder: read_picture(folder / "a.heic")),
+    "photo.heic": Target(_heic, lambda folder: read_picture(folder / "a.heic"), "*", 0.1),
     "mask.png": Target(_mask, lambda folder: read_mask(folder / "a.png", 32, 16)),
     "labels.png": Target(
         picture("PNG", "a.png", 1).make,
@@ -340,7 +340,7 @@ TARGETS = {
     "model.safetensors": Target(
         _model, lambda folder: load_model(folder / "model.safetensors"), "*", 0.5
     ),
-    "checkpoint": Target(_checkpoint, _restore, ".checkpoint*", 0.2),
+    "checkpoint": Target(_checkpoint, _restore, ".checkpoint*", 0.1),
     "settings (train.yaml)": Target(
         _copy("config/train.yaml"), lambda folder: load_train_settings(folder / "train.yaml")
     ),
@@ -350,5 +350,5 @@ TARGETS = {
         "*",
         2.0,
     ),
-    "network.onnx": Target(_network, _segment, "*", 0.5),
+    "network.onnx": Target(_network, _segment, "*", 0.05),
 }
