@@ -7,6 +7,7 @@ import pytest
 from support import dots
 
 from r3gw.files import InputError
+from r3gw.imaging.files import write_image
 from r3gw.importing.settings import ColmapScene, NerfstudioScene
 from r3gw.importing.stage import import_scene
 from r3gw.scene import load_points
@@ -115,6 +116,7 @@ def test_nerfstudio(tmp_path, case):
         ({"is_fisheye": True, "camera_model": "PINHOLE"}, r"contradict each other"),
         ({"is_fisheye": True, "p1": 0.1}, r"a fisheye camera has no p1 and p2"),
         ({"cx": 0.5, "cy": 0.5, "fl_x": 0.8, "fl_y": 0.8}, r"a focal length of 0\.8 px cannot"),
+        ({"cx": 0.5, "cy": 0.5}, r"the principal point \(0\.5, 0\.5\) is stated in pixels"),
         ({"cx": 5000.0}, r"the principal point \(5000, 121\.5\) px lies far outside"),
         ({"w": 320.5}, r"the size 320\.5x240 px is none"),
         ({"fl_x": None, "camera_angle_x": 4.0}, r"a field of view of 229\.183 degrees is none"),
@@ -153,3 +155,13 @@ def test_transforms_in_latin_1_name_the_cause(tmp_path):
     path.write_bytes(path.read_bytes().replace(b"photo_0", b"caf\xe9"))
     with pytest.raises(InputError, match=r"is not text in UTF-8 \(Latin-1\?\)"):
         imported(NerfstudioScene(format="nerfstudio", path="."), tmp_path, tmp_path / "scene")
+
+
+def test_masks_of_no_photo_are_named(tmp_path, caplog):
+    values = [dots.FOCAL_PX, dots.FOCAL_PX, *dots.CENTRE, 0, 0, 0, 0]
+    nerfstudio(tmp_path / "ns", "OPENCV", values, FOCAL)
+    write_image(tmp_path / "ns/masks/mask_0001.png", np.ones((2, 2), np.bool_))
+    imported(NerfstudioScene(format="nerfstudio", path="."), tmp_path / "ns", tmp_path / "scene")
+    assert "masks in masks/ that belong to no photo are not used: mask_0001.png; " in caplog.text
+    report = json.loads((tmp_path / "scene/sfm_report.json").read_text())
+    assert any("mask_0001.png" in note for note in report["notes"])

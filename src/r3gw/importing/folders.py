@@ -74,6 +74,16 @@ def mask_files(folder: Path, white_means: bool = True) -> dict[str, SourceMask]:
     return found
 
 
+def notes_on_masks(masks: Masks) -> tuple[str, ...]:
+    """A sentence about each folder in which masks belong to no photo, if there is one."""
+    return tuple(
+        f"masks in {MASK_FOLDERS[kind][0]}/ that belong to no photo are not used: "
+        f"{listed(files.unused, 3)}; a mask has the name of its photo"
+        for kind, files in masks.items()
+        if files.unused
+    )
+
+
 def masks_of(masks: Masks, photo: str) -> dict[MaskKind, SourceMask]:
     """The masks of one photo, by kind."""
     return {kind: mask for kind, files in masks.items() if (mask := files.get(photo)) is not None}

@@ -22,6 +22,7 @@ _TURN_TOLERANCE = 1e-3
 _QUATERNION_TOLERANCE = 1e-2
 # Focal lengths in units of the photo's longer side: half a globe to the longest telescopes.
 _FOCAL_RANGE = (0.02, 1000.0)
+_LEAST_TO_DOUBT_PX = 16  # in larger photos no principal point is within a pixel of the corner
 _LARGEST_SIDE_PX = 100_000
 MOST_UNITS = 1e12  # that anything may lie from the origin; the globe measures 6e6 metres
 _REMEDY = "correct it or remove the photo"
@@ -149,6 +150,11 @@ def _check_lens(lens: Lens, source: str) -> None:
                 f"{source}: a focal length of {value:g} px cannot belong to a photo of "
                 f"{lens.width}x{lens.height} px (it is stated in pixels); {_REMEDY}"
             )
+    if longer > _LEAST_TO_DOUBT_PX and 0 <= min(cx, cy) <= max(cx, cy) <= 1:
+        raise InputError(
+            f"{source}: the principal point ({cx:g}, {cy:g}) is stated in pixels, so it would lie "
+            f"in the corner of the photo of {lens.width}x{lens.height} px; {_REMEDY}"
+        )
     if not (-lens.width <= cx <= 2 * lens.width and -lens.height <= cy <= 2 * lens.height):
         raise InputError(
             f"{source}: the principal point ({cx:g}, {cy:g}) px lies far outside the photo of "

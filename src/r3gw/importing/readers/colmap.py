@@ -8,6 +8,7 @@ from r3gw.importing.evaluation_config import read_evaluation
 from r3gw.importing.folders import (
     masks_beside,
     masks_of,
+    notes_on_masks,
     photos_named,
     require_training_views,
     session_of,
@@ -109,7 +110,7 @@ class ColmapReader(Reader[ColmapScene]):
             points,
             turn=self.settings.given_turn,
             left_out=left_out,
-            notes=(*notes, *triangulated, *notes_on(others)),
+            notes=(*notes, *triangulated, *notes_on(others), *notes_on_masks(masks)),
             facts={"other_files": others},
         )
 

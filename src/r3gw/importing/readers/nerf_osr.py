@@ -15,6 +15,7 @@ from r3gw.importing.folders import (
     mask_files,
     masks_beside,
     masks_of,
+    notes_on_masks,
     photos_named,
     require_training_views,
     session_of,
@@ -138,6 +139,7 @@ class NerfOsrReader(Reader[SyntheticScene | NerfOsrScene]):
             left_out=_left_out(pictures, splits, cameras, split_file),
             notes=(
                 *triangulated,
+                *notes_on_masks(masks),
                 *((unknown + listed(evaluation.unused),) if evaluation.unused else ()),
             ),
         )

@@ -17,6 +17,7 @@ from r3gw.importing.evaluation_config import read_evaluation
 from r3gw.importing.folders import (
     masks_beside,
     masks_of,
+    notes_on_masks,
     require_training_views,
     session_of,
     split_beside,
@@ -109,7 +110,7 @@ class NerfstudioReader(Reader[NerfstudioScene]):
             points,
             turn=UPRIGHT_FROM_Z_UP if self.settings.up == "given" else None,
             left_out=self._left_out(frames, splits),
-            notes=(note,) if unread else (),
+            notes=(*((note,) if unread else ()), *notes_on_masks(beside)),
         )
 
     def _frames(self, transforms: Transforms) -> dict[str, tuple[Frame, Path]]:

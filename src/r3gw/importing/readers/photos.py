@@ -6,7 +6,7 @@ from pathlib import Path
 import pycolmap
 
 from r3gw.files import InputError
-from r3gw.importing.folders import MASK_FOLDERS, masks_beside
+from r3gw.importing.folders import MASK_FOLDERS, masks_beside, notes_on_masks
 from r3gw.importing.named_files import (
     notes_on,
     other_files,
@@ -58,7 +58,8 @@ class PhotosReader(Reader[PhotosScene]):
         photos = self._photos(folder)
         others = {} if is_video else other_files(folder, _BESIDE)
         refuse_undeveloped(folder, others)
-        prepared = prepared_photos(photos, masks_beside(folder, list(photos)), effort.folder)
+        masks = masks_beside(folder, list(photos))
+        prepared = prepared_photos(photos, masks, effort.folder)
         mapped = reconstruct(
             prepared,
             self.source,
@@ -83,7 +84,7 @@ class PhotosReader(Reader[PhotosScene]):
             views,
             model.points,
             left_out=lost_photos(prepared, mapped),
-            notes=notes_on(others),
+            notes=(*notes_on(others), *notes_on_masks(masks)),
             facts=registration_facts(prepared, mapped, views) | {"other_files": others},
         )
 
