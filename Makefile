@@ -16,11 +16,13 @@ all: .venv/installed
 ablations: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) ablations
 
+# Whole files of tests go to one process, so that what a file prepares is prepared once.
+PYTEST := $(BIN)/python -m pytest --numprocesses $(CORES) --dist loadfile
 test: .venv/installed-test lint
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 test-quick: .venv/installed-test
-	$(BIN)/python -m pytest -m "not slow"
+	$(PYTEST) -m "not slow"
 
 KILLS ?= 20
 kill-test: .venv/installed

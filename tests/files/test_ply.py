@@ -77,6 +77,27 @@ def test_line_ends_and_both_families_of_type_names(tmp_path, line_end, names):
 
 
 @pytest.mark.parametrize(
+    ("written", "rewritten"),
+    [
+        (b"ply\n", b"\xef\xbb\xbfply\n"),
+        (b"ply\n", b"PLY \n"),
+        (b"end_header\n", b"end_header \t\n"),
+        (b"float y\n", b"float y\nproperty char scalar_GPS time #1\n"),
+    ],
+)
+def test_headers_of_editors_and_scanners(tmp_path, written, rewritten):
+    path = tmp_path / "a.ply"
+    write_vertices(path, ROWS, [])
+    data = path.read_bytes().replace(written, rewritten)
+    if b"GPS" in rewritten:
+        more = np.array([(x, y, 5, s) for x, y, s in ROWS.tolist()], "<f4,<f4,i1,u1")
+        data = data.replace(ROWS.tobytes(), more.tobytes())
+    path.write_bytes(data)
+    rows, _ = read_vertices(path)
+    assert rows[["x", "y", "s"]].tolist() == ROWS.tolist()
+
+
+@pytest.mark.parametrize(
     ("change", "message"),
     [
         (lambda _: b"", "no PLY header"),

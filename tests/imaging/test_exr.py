@@ -33,6 +33,10 @@ def layer(name):
         ({"Y": R, "A": A}, np.repeat(R[..., None], 3, axis=2)),
         (layer("ViewLayer.Combined") | {"ViewLayer.Depth.Z": A}, RGB),
         ({"R": R, "G": G, "B": B} | layer("diffuse"), RGB),
+        (layer("ViewLayer.Combined") | layer("ViewLayer.DiffCol"), RGB),
+        (layer("View.Combined") | {f"View.Normal.{axis}": A for axis in "XYZ"}, RGB),
+        ({"r": R, "g": G, "b": B}, RGB),
+        ({"rgba.red": R, "rgba.green": G, "rgba.blue": B, "rgba.alpha": A}, RGB),
         ({"R": R.astype(np.float16), "G": G, "B": (B * 9).astype(np.uint32)}, None),
     ],
 )
@@ -50,6 +54,8 @@ def test_channels_that_mean_rgb(tmp_path, channels, expected):
     [
         (layer("left") | layer("right"), r"channels \(left\.B.*right\.R\) make 2 pictures"),
         ({"Z": R}, r"its channels \(Z\) are no RGB picture; save it with channels R, G and B"),
+        ({"X": R, "Y": G, "Z": B}, r"its channels \(X, Y, Z\) are no RGB picture"),
+        (layer("A.Combined") | layer("B.Combined"), r"make 2 pictures"),
         ({"R": R, "G": G}, r"its channels \(G, R\) are no RGB picture"),
     ],
 )

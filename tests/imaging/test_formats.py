@@ -219,6 +219,49 @@ def test_a_heic_that_ends_its_decoder_is_refused(tmp_path, monkeypatch):
         read_picture(path)
 
 
+def test_altered_pixels_of_a_png_are_refused_and_altered_words_are_not(tmp_path):
+    """Random pixels are stored nearly as they are, so that inflating them may well succeed."""
+    noise = np.random.default_rng(0).integers(0, 256, (64, 64, 3)).astype(np.uint8)
+    stream = io.BytesIO()
+    Image.fromarray(noise).save(stream, "PNG")
+    path = tmp_path / "a.png"
+    data = stream.getvalue()
+    middle = len(data) // 2
+    path.write_bytes(data[:middle] + bytes(20) + data[middle + 20 :])
+    with pytest.raises(
+        InputError, match=r"a\.png: not a readable .*: its checksums do not fit its pixels; "
+    ):
+        read_picture(path)
+    end = data.index(b"\x00\x00\x00\x00IEND")
+    path.write_bytes(data[:end] + b"\x00\x00\x00\x03tEXta\x00bXXXX" + data[end:])
+    assert np.array_equal(read_rgb(path), noise)
+
+
+@pytest.mark.parametrize(
+    ("data", "sentence"),
+    [
+        (b"", r"is empty \(0 bytes\).*; copy it again"),
+        (b"version https://git-lfs.github.com/spec/v1\n", r"pointer of Git LFS; .*'git lfs pull'"),
+        (b"\n<!DOCTYPE html><html>404</html>", r"is a web page .*download"),
+        (b"%PDF-1.7", r"is a PDF; export"),
+        (b"8BPS\x00\x01", r"Photoshop document; export"),
+        (b"\x00\x00\x00\x0cjP  \r\n", r"is JPEG 2000; convert"),
+        (b"no picture at all", r"not a readable picture .*; copy it again"),
+    ],
+)
+def test_what_is_no_picture_is_called_by_its_name(tmp_path, data, sentence):
+    path = tmp_path / "a.jpg"
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=rf"a\.jpg: .*{sentence}"):
+        read_picture(path)
+
+
+def test_float_colours_are_refused_as_such(tmp_path):
+    cv2.imwrite(str(tmp_path / "a.tif"), np.full((8, 8, 3), 0.5, np.float32))
+    with pytest.raises(InputError, match=r"a\.tif: holds float values; save photos with 8 or 16"):
+        read_picture(tmp_path / "a.tif")
+
+
 def test_a_chunk_that_claims_gigabytes_is_refused_fast(tmp_path):
     """OpenCV sets aside and clears what a chunk claims, which takes seconds."""
     path = tmp_path / "a.png"

@@ -84,6 +84,13 @@ def test_orientations(tmp_path, size, stored):
     np.testing.assert_allclose(read_linear(path), linear(image), rtol=1e-6, atol=0)
 
 
+@pytest.mark.parametrize("magic", ["#?AUTOPANO", "#?RADIANCE\nFORMAT= 32-bit_rle_rgbe "])
+def test_other_writers(tmp_path, magic):
+    rgbe = pixels(4, 20)
+    path = write(tmp_path / "a.hdr", rgbe.tobytes(), "-Y 4 +X 20", magic=magic)
+    np.testing.assert_allclose(read_linear(path), linear(rgbe), rtol=1e-6, atol=0)
+
+
 def test_damaged_files(tmp_path):
     rgbe = pixels(4, 20)
     good = write(tmp_path / "a.hdr", rgbe.tobytes(), "-Y 4 +X 20").read_bytes()

@@ -108,6 +108,7 @@ def test_nerfstudio(tmp_path, case):
         ({"k4": 0.02}, r"k4 \(0\.02\) of a perspective camera .* fit the camera again"),
         ({"k5": 0.01}, r"the key 'k5' \(0\.01\) changes what the cameras see"),
         ({"ftheta_p0": 1.0}, r"the key 'ftheta_p0'"),
+        ({"orthographic": True}, r"the key 'orthographic'"),
         ({"rolling_shutter": [0.1, 0, 0, 0]}, r"the key 'rolling_shutter'"),
         ({"distortion_params": [0.1]}, r"the key 'distortion_params'"),
         ({"camera_model": "EQUIRECTANGULAR"}, r"the camera model EQUIRECTANGULAR"),

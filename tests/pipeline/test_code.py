@@ -1,5 +1,6 @@
 """Which stages run again after which edit, and what an extension that is out of date stops."""
 
+import re
 import subprocess
 import sys
 
@@ -15,7 +16,8 @@ pytestmark = pytest.mark.slow
 # These name the protocols, which render.
 SCORED = {"evaluate", "tables", "study", "figures", "report"}
 USING = SCORED | {"doctor"}
-STAGES = {"generate", "import", "masks", "initialise", "train", "mask-sheet"} | USING
+DRAWN = USING | {"page"}
+STAGES = {"generate", "import", "masks", "initialise", "train", "mask-sheet"} | DRAWN
 
 # By what is edited: the stages that run again. No other does.
 EDITS = {
@@ -34,11 +36,16 @@ EDITS = {
     "training/loop.py": {"train"},
     "training/losses/ssim.py": {"train"},
     "rendering/compose.py": {"train"} | USING,
-    "rendering/cook_torrance.py": {"train"} | USING,
-    "raster/reference.py": {"train"} | USING,
+    "rendering/cook_torrance.py": {"train"} | DRAWN,
+    "raster/reference.py": {"train"} | DRAWN,
     "evaluation/protocols/swept.py": SCORED,
     "evaluation/scoring.py": set(),
+    "relight/cameras.py": {"page"},
+    "relight/film.py": set(),
     "relight/files/gltf.py": set(),
+    "view/payload.py": {"page"},
+    "view/bundle/page.js": {"page"},
+    "view/server.py": set(),
     "reporting/tables/study.py": {"study", "figures", "report"},
     "reporting/figures/grids.py": {"study", "figures"},
     "reporting/figures/mask_sheet.py": {"mask-sheet"},
@@ -48,7 +55,7 @@ EDITS = {
     "pipeline/study.py": {"doctor"},
     "pipeline/doctor/cost.py": {"doctor"},
     "pipeline/code.py": set(),
-    "lighting/daylight.py": {"generate"} | USING,
+    "lighting/daylight.py": {"generate"} | DRAWN,
     "files/atomic.py": STAGES,
     "cli/use.py": set(),
     "cli/sections.py": set(),
@@ -76,6 +83,11 @@ def changed(package, before):
     return {stage for stage in STAGES if after[stage] != before[stage]}
 
 
+def test_these_are_the_stages_of_the_workflow(repository):
+    rules = "".join(path.read_text() for path in (repository / "workflow/rules").glob("*.smk"))
+    assert set(re.findall(r'code_of\("([^"]+)"\)', rules)) == STAGES
+
+
 def test_nothing_changes_without_an_edit(package, before):
     assert changed(package, before) == set()
 
@@ -92,7 +104,7 @@ def test_kernels_count_once_they_are_built(package, before):
         with pytest.raises(InputError, match=r"_C.*other sources than those beside it.*`make`"):
             StageCode(package).digest("train")
         pretend_build(package)
-        assert changed(package, before) == {"train"} | USING
+        assert changed(package, before) == {"train"} | DRAWN
     pretend_build(package)
     assert changed(package, before) == set()
 
@@ -125,6 +137,7 @@ def test_every_command_names_its_modules(package):
         ("train", "r3gw.training.run"),
         ("evaluate", "r3gw.evaluation.stage"),
         ("tables", "r3gw.reporting.tables.table1"),
+        ("page", "r3gw.view.page"),
         ("report", "r3gw.reporting.page.stage"),
     ],
 )

@@ -43,6 +43,12 @@ def test_a_rendered_array_is_the_picture_of_the_command_line(tiny, scene, tmp_pa
     assert np.abs(scene.render("b_exact", light) - ours).mean() > 0.02
 
 
+def test_it_introduces_itself_in_one_line(tiny, scene):
+    counts = f"{scene.gaussians.num_foreground:,} foreground and {scene.gaussians.num_sky:,} sky"
+    expected = f"<TrainedScene of {tiny.model_path}: {counts} Gaussians, 4 cameras, 2 lights>"
+    assert repr(scene) == expected
+
+
 def test_tones_and_skies(scene):
     light = scene.lights["a_0"]
     shown, linear = (scene.render("a_0", light.times(0.4), tone=t) for t in ("standard", "linear"))

@@ -8,7 +8,7 @@ from r3gw.geometry.rotations import rotation_from_quaternion, shortest_axes
 from r3gw.model.initial import InitialPoints
 from r3gw.model.model_file import load_model, save_model
 from r3gw.model.sky import SkyDome
-from r3gw.rendering.channels import NORMAL, Layers
+from r3gw.rendering.channels import FOREGROUND, NORMAL, SKY, Layers
 from r3gw.rendering.compose import draw, render
 from r3gw.rendering.splats import splats_of
 from r3gw.training.start import initial_model
@@ -20,7 +20,7 @@ def rendering(model, camera):
 
 
 def test_layers_add_up_to_the_picture(rendering):
-    total = rendering.foreground_colour + rendering.sky_colour
+    total = rendering.planes[FOREGROUND] + rendering.planes[SKY]
     torch.testing.assert_close(total, rendering.colour.sum(-1), rtol=1e-5, atol=1e-5)
 
 
@@ -36,7 +36,7 @@ def test_opacity_layers_draw_what_the_foreground_covers(model, camera):
     assert 0.3 < float(white.detach().max()) <= 1.0
     torch.testing.assert_close(rendering.colour, draw(splats, camera).colour, rtol=0, atol=0)
     with pytest.raises(ValueError, match="drawn with <Layers"):
-        _ = rendering.foreground_colour
+        _ = draw(splats, camera).foreground_opacity
 
 
 def test_depth_lies_between_the_nearest_and_the_farthest(rendering, model, camera):
@@ -59,8 +59,8 @@ def test_normals_face_the_camera_and_leave_the_sky_out(model, camera):
         model.foreground["opacity_logits"].fill_(-20.0)
     only_sky = render(model, camera, *model.appearance(0)[:2])
     assert float(only_sky.normal.detach().abs().max()) == 0.0
-    assert float(only_sky.foreground_colour.detach().abs().max()) == 0.0
-    assert float(only_sky.sky_colour.detach().max()) > 0.1
+    assert float(only_sky.planes[FOREGROUND].detach().abs().max()) == 0.0
+    assert float(only_sky.planes[SKY].detach().max()) > 0.1
 
 
 def test_normal_is_the_shortest_axis(model):
@@ -93,7 +93,7 @@ def test_every_parameter_gets_a_gradient(model, camera):
 
 def test_layer_channels_move_geometry_but_not_colour(model, camera):
     rendering = render(model, camera, *model.appearance(0)[:2])
-    torch.autograd.backward(rendering.foreground_colour.sum() + rendering.sky_colour.sum())
+    torch.autograd.backward(rendering.planes[FOREGROUND].sum() + rendering.planes[SKY].sum())
     assert float(model.foreground["opacity_logits"].grad.abs().max()) > 0
     albedo = model.foreground["albedo_logits"].grad
     assert albedo is None or float(albedo.abs().max()) == 0.0

@@ -9,7 +9,7 @@ import torch
 from r3gw.lighting.irradiance import irradiance
 from r3gw.rendering.shading import shade_foreground
 from r3gw.rendering.splats import splats_of
-from r3gw.training.losses import geometry, lighting, reconstruction, separation
+from r3gw.training.losses import geometry, lighting, reconstruction, separation, ssim
 
 META = torch.device("meta")
 
@@ -45,7 +45,8 @@ def test_losses_elsewhere(camera):
     mask = torch.ones(*size, dtype=torch.bool, device=META)
     light = torch.zeros(25, 3, device=META)
     found = [
-        reconstruction.reconstruction_loss(colour, colour, mask, 0.2),
+        reconstruction.masked_l1(colour, colour, mask),
+        ssim.mean_ssim(colour, colour, mask),
         geometry.normal_loss(colour, geometry.normals_from_depth(plane, camera), mask),
         geometry.flatness_loss(plane[0], mask[0]),
         separation.separation_loss(plane, plane, mask, mask),

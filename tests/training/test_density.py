@@ -206,3 +206,10 @@ def test_statistics_average_over_seen_views_in_ndc():
     torch.testing.assert_close(
         statistics.mean(), torch.tensor([300.0, 200.0, 0.0]), rtol=1e-6, atol=0
     )
+
+
+def test_statistics_lie_where_the_gaussians_do(model):
+    model.foreground.to("meta")
+    statistics = GradientStatistics.of(model)
+    assert statistics.total.device.type == statistics.views.device.type == "meta"
+    assert len(statistics.total) == model.num_gaussians

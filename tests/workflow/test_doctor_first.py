@@ -30,7 +30,7 @@ def test_the_scenes_gate_comes_before_its_trainings(finished):
 
 def test_a_training_asks_for_what_the_doctor_predicts(finished):
     done = snakemake(
-        finished, "--dry-run", "--forcerun", "train", "--", "results/tiny/full/seed0/run.json"
+        finished, "results/tiny/full/seed0/run.json", "--dry-run", "--forcerun", "train"
     )
     assert done.returncode == 0, done.stderr
     (asked,) = re.findall(r"resources: .*mem_mb=(\d+)", done.stdout + done.stderr)

@@ -15,6 +15,7 @@ rule evaluate:
         cost="results/{scene}/{variant}/seed{seed}/metrics/cost.json",
     log:
         "logs/evaluate/{scene}.{variant}.seed{seed}.log",
+    threads: 1
     params:
         code=code_of("evaluate"),
     shell:

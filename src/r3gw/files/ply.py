@@ -7,6 +7,7 @@ after the vertices. Our own because the one library that keeps arbitrary propert
 GPL; the tests hold it against that library.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,8 +25,9 @@ _KINDS = {
 }  # fmt: skip
 _WRITTEN = {"f4": "float", "u1": "uchar"}
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": "="}
-_LINE_ENDS = (b"\r\n", b"\n", b"\r")
-_LAST_LINE = b"end_header"
+# Editors put a byte order mark in front, and some writers blanks behind these two lines.
+_FIRST_LINE = re.compile(rb"(?:\xef\xbb\xbf)?ply[ \t]*(\r\n|\n|\r)", re.IGNORECASE)
+_LAST_LINE = rb"end_header[ \t]*"
 _LONGEST_HEADER = 1 << 20
 _MOST_PROPERTIES = 4096
 
@@ -110,14 +112,15 @@ def read_vertices(path: Path) -> tuple[NDArray[Any], list[str]]:
 
 
 def _header(data: bytes) -> _Header:
-    line_end = next((end for end in _LINE_ENDS if data.startswith(b"ply" + end)), None)
-    last = data.find((line_end or b"") + _LAST_LINE, 0, _LONGEST_HEADER)
-    if line_end is None or last < 0:
+    first = _FIRST_LINE.match(data)
+    if first is None:
         raise ValueError("no PLY header")
-    end = last + len(line_end) + len(_LAST_LINE)
-    if data[end : end + len(line_end)] != line_end and end != len(data):
+    line_end = first.group(1)
+    ending = re.compile(line_end + _LAST_LINE + b"(?:" + line_end + rb"|\Z)")
+    last = ending.search(data, first.end() - len(line_end), _LONGEST_HEADER)
+    if last is None:
         raise ValueError("no PLY header")
-    lines = data[:last].decode(errors="replace").split(line_end.decode())
+    lines = data[: last.start()].decode(errors="replace").split(line_end.decode())
     order, comments, elements = None, [], []
     for line in lines[1:]:
         match line.split():
@@ -137,13 +140,13 @@ def _header(data: bytes) -> _Header:
         raise ValueError("its header lacks the format or an element's properties")
     if sum(len(element.properties) for element in elements) > _MOST_PROPERTIES:
         raise ValueError(f"it has more than {_MOST_PROPERTIES} properties")
-    return _Header(_ORDERS[order], order == "ascii", comments, elements, end + len(line_end))
+    return _Header(_ORDERS[order], order == "ascii", comments, elements, last.end())
 
 
 def _property(words: list[str], line: str) -> _Property:
     match words:
-        case [kind, name] if kind in _KINDS:
-            return _Property(name, _KINDS[kind])
+        case [kind, name, *more] if kind in _KINDS:  # CloudCompare's names may hold blanks
+            return _Property(" ".join((name, *more)), _KINDS[kind])
         case ["list", count, kind, name] if kind in _KINDS and _KINDS.get(count, "f")[0] in "iu":
             return _Property(name, _KINDS[kind], _KINDS[count])
     raise ValueError(f"unexpected line '{line[:60]}' in the header")

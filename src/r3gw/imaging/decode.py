@@ -17,17 +17,19 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from r3gw.files import InputError
+from r3gw.imaging.damage import jpeg_is_whole, refuse_altered_png, unread_reason
 from r3gw.imaging.formats import DEVELOP, MOST_BYTES, MOST_PIXELS
 from r3gw.imaging.heic import decode_heic, is_heic
 from r3gw.imaging.orientation import STORED_UPRIGHT, stored_from_upright, upright_from_stored
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "BMP", "GIF")
 _ANIMATED = ("WEBP", "AVIF", "PNG", "GIF")
+_TIFF_MAGICS = (b"II*\0", b"MM\0*")
 _ORIENTATION_TAG, _NEW_SUBFILE_TAG, _DNG_VERSION_TAG = 0x0112, 0x00FE, 0xC612
-_PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
 _RAW_DEPTH = re.compile(r";(\d+)")
 _MOST_DEFLATED = 1032  # times its size is all that deflated data can grow to (RFC 1951)
-_BROKEN = "not a readable picture (truncated or of another format?)"
+_BROKEN = "not a readable picture (truncated, damaged or of another format?)"
+_AGAIN = "copy it again or remove it"
 
 Pixels = NDArray[Any]  # uint8, uint16 or float32
 
@@ -87,14 +89,14 @@ def read_picture(path: Path) -> Picture:
     except InputError:
         raise
     except UnidentifiedImageError:
-        raise InputError(f"{path}: {_BROKEN}") from None
+        raise InputError(f"{path}: {_unread(data)}") from None
     except Image.DecompressionBombError:
         raise InputError(
             f"{path}: claims more than {MOST_PIXELS // 10**6} million pixels; scale it down"
         ) from None
     except Exception as error:  # decoders raise a dozen unrelated types on broken files
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{path}: {_BROKEN}: {reason[:120]}") from error
+        raise InputError(f"{path}: {_BROKEN}: {reason[:120]}; {_AGAIN}") from error
 
 
 def read_opaque(path: Path) -> NDArray[np.bool_] | None:
@@ -113,6 +115,15 @@ def read_opaque(path: Path) -> NDArray[np.bool_] | None:
     except Exception:  # read_picture finds the words for it
         has_alpha = True
     return read_picture(path).is_opaque if has_alpha else None
+
+
+def _unread(data: bytes) -> str:
+    """Why Pillow does not know a file; OpenCV tells a TIFF of float colours."""
+    if data[:4] in _TIFF_MAGICS:
+        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        if pixels is not None and pixels.dtype.kind == "f":
+            return "holds float values; save photos with 8 or 16 bits, and maps of light as EXR"
+    return unread_reason(data)
 
 
 def _of_heic(pixels: NDArray[np.uint8], exif: bytes) -> Picture:
@@ -179,9 +190,11 @@ def _decoded(image: Any, data: bytes, path: Path) -> Picture:
     has_16_bits = any(";16" in str(tile[3]) for tile in getattr(image, "tile", ()))
     orientation, exif = _orientation(image)
     if image.format in ("JPEG", "MPO") and image.mode in ("RGB", "L"):
-        if not _jpeg_is_whole(data):
-            raise InputError(f"{path}: {_BROKEN}")
+        if not jpeg_is_whole(data):
+            raise InputError(f"{path}: {_BROKEN}; {_AGAIN}")
         return Picture(_by_opencv(data, path, image.mode), None, orientation, exif)
+    if image.format == "PNG":
+        refuse_altered_png(data)
     image.load()
     pixels, alpha = _channels(image)
     if has_16_bits and image.mode in ("RGB", "RGBA", "LA"):
@@ -208,7 +221,7 @@ def _by_opencv(data: bytes, path: Path, mode: str) -> NDArray[np.uint8]:
     flag = cv2.IMREAD_GRAYSCALE if mode == "L" else cv2.IMREAD_COLOR
     pixels = cv2.imdecode(np.frombuffer(data, np.uint8), flag | cv2.IMREAD_IGNORE_ORIENTATION)
     if pixels is None:
-        raise InputError(f"{path}: {_BROKEN}")
+        raise InputError(f"{path}: {_BROKEN}; {_AGAIN}")
     return np.asarray(pixels if mode == "L" else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8)
 
 
@@ -235,12 +248,7 @@ def _channels(image: Any) -> tuple[Pixels, Pixels | None]:
 def _deep_colours(
     data: bytes, shallow: tuple[Pixels, Pixels | None]
 ) -> tuple[Pixels, Pixels | None]:
-    """All 16 bits of colours, of which Pillow keeps 8; ``shallow`` where OpenCV cannot.
-
-    Raises:
-        ValueError: If a PNG's chunk claims to be longer than the file.
-    """
-    _refuse_long_chunks(data)
+    """All 16 bits of colours, of which Pillow keeps 8; ``shallow`` where OpenCV cannot."""
     values = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     if values is None or values.dtype != np.uint16 or values.shape[:2] != shallow[0].shape[:2]:
         return shallow
@@ -248,36 +256,3 @@ def _deep_colours(
         return values.astype(np.uint16), None
     rgb = values[..., 2::-1].astype(np.uint16)
     return rgb, values[..., 3].astype(np.uint16) if values.shape[2] == 4 else None
-
-
-def _refuse_long_chunks(data: bytes) -> None:
-    """Refuse a PNG with a chunk longer than the file: OpenCV sets aside what a chunk claims.
-
-    Raises:
-        ValueError: If there is one; that of one broken file took 13 s to fill.
-    """
-    if not data.startswith(_PNG_MAGIC):
-        return
-    position = len(_PNG_MAGIC)
-    while position + 8 <= len(data):
-        length = int.from_bytes(data[position : position + 4], "big")
-        kind = data[position + 4 : position + 8]
-        position += 12 + length
-        if position > len(data):
-            raise ValueError(f"a chunk of {length} bytes is longer than the file")
-        if kind == b"IEND":
-            return
-
-
-def _jpeg_is_whole(data: bytes) -> bool:
-    """Whether a JPEG reaches its end marker; OpenCV fills a cut-off one with grey, without a word.
-
-    Walks the segments to the start of the scan (ITU T.81, Annex B), so that neither a thumbnail
-    before it nor data appended behind the picture counts.
-    """
-    position = 2
-    while data[position : position + 2] not in (b"\xff\xda", b""):
-        filler = data[position : position + 2] == b"\xff\xff"
-        length = int.from_bytes(data[position + 2 : position + 4], "big")
-        position += 1 if filler else 2 + length
-    return data.find(b"\xff\xd9", position) >= 0

@@ -1,8 +1,9 @@
 """OpenEXR pictures: which channels mean RGB, and reading and writing them as float32.
 
-A layer with R, G and B is a colour picture; one with Y alone is a grey one. Channels without a
-layer's name come before layers, alpha and all other channels are passed over, and where several
-layers could be meant, the file is refused.
+A layer with R, G and B (or red, green and blue, in any case) is a colour picture; one with Y, but
+without X, Z or chroma, is a grey one. Channels without a layer's name come before layers, and the
+layer that Blender calls Combined comes before its other passes. Alpha and all other channels are
+passed over, and where several layers could be meant, the file is refused.
 """
 
 import io
@@ -19,7 +20,10 @@ from r3gw.imaging.formats import MOST_BYTES, MOST_PIXELS
 
 _FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)
 _MOST_CHANNELS = 1024
-_COLOUR, _GREY, _CHROMA = ("R", "G", "B"), ("Y",), ("RY", "BY")
+_COLOURS = (("r", "g", "b"), ("red", "green", "blue"))
+_GREY = "y"
+_NO_GREY = {"ry", "by", "x", "z"}  # beside Y: chroma, or the axes of a vector
+_WHOLE_PICTURE = "combined"  # Blender's pass that the others are parts of
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,9 @@ def read_exr(path: Path) -> NDArray[np.float32]:
     layer = _chosen(headers, path)
     parts = _opened(data, path, header_only=False).parts
     if len(parts) != len(headers):  # OpenEXR passes over parts whose pixels are damaged
-        raise InputError(f"{path}: not a readable EXR picture (its pixels are damaged or cut off)")
+        raise InputError(
+            f"{path}: not a readable EXR picture (its pixels are damaged or cut off); copy it again"
+        )
     part = parts[layer.part]
     planes = []
     for name in layer.channels:
@@ -77,7 +83,7 @@ def _opened(data: bytes, path: Path, *, header_only: bool) -> Any:
         return OpenEXR.File(io.BytesIO(data), separate_channels=True, header_only=header_only)
     except Exception as error:  # OpenEXR raises several unrelated types
         reason = " ".join(str(error).split())[:160]
-        raise InputError(f"{path}: not a readable EXR picture ({reason})") from error
+        raise InputError(f"{path}: not a readable EXR picture ({reason}); save it again") from error
 
 
 def _check_header(header: dict[str, Any], path: Path) -> None:
@@ -109,10 +115,13 @@ def _chosen(parts: list[Any], path: Path) -> _Layer:
     try:
         names = [[channel.name for channel in part.header["channels"]] for part in parts]
     except UnicodeDecodeError:
-        raise InputError(f"{path}: not a readable EXR picture (names of its channels)") from None
+        raise InputError(
+            f"{path}: not a readable EXR picture (names of its channels); save it again"
+        ) from None
     layers = [layer for number, part in enumerate(names) for layer in _layers(number, part)]
     plain = [layer for layer in layers if not layer.name]
-    for wanted in (plain, layers):
+    whole = [layer for layer in layers if layer.name.lower().split(".")[-2:-1] == [_WHOLE_PICTURE]]
+    for wanted in (plain, whole, layers):
         if len(wanted) == 1:
             _refuse_subsampled(parts[wanted[0].part], wanted[0], path)
             return wanted[0]
@@ -135,12 +144,16 @@ def _layers(part: int, names: list[str]) -> list[_Layer]:
     found = []
     for prefix in prefixes:
         start = f"{prefix}." if prefix else ""
-        for wanted in (_COLOUR, _GREY):
-            channels = tuple(start + letter for letter in wanted)
-            has_chroma = any(start + letter in names for letter in _CHROMA)
-            if all(name in names for name in channels) and not (wanted == _GREY and has_chroma):
-                found.append(_Layer(part, start, channels))
-                break
+        own = {
+            name.rpartition(".")[2].lower(): name
+            for name in sorted(names, reverse=True)  # so that R comes before r
+            if name.rpartition(".")[0] == prefix
+        }
+        colour = next((wanted for wanted in _COLOURS if set(wanted) <= set(own)), None)
+        if colour is not None:
+            found.append(_Layer(part, start, tuple(own[letter] for letter in colour)))
+        elif _GREY in own and not _NO_GREY & set(own):
+            found.append(_Layer(part, start, (own[_GREY],)))
     return found
 
 

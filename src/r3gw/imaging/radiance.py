@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from r3gw.files import InputError
 from r3gw.imaging.formats import MOST_BYTES, MOST_PIXELS
 
-_MAGIC = (b"#?RADIANCE", b"#?RGBE")
+_MAGIC = b"#?"  # with the name of the program or format: RADIANCE, RGBE, AUTOPANO, ...
 _SIZE = re.compile(rb"([+-])([XY]) +(\d{1,6}) +([+-])([XY]) +(\d{1,6})\s*$")
 _LONGEST_HEADER = 65536
 _ADAPTIVE_WIDTHS = range(8, 32768)
@@ -43,7 +43,9 @@ def read_radiance(path: Path) -> NDArray[np.float32]:
             raise _BrokenError(f"claims {lines}x{length} pixels")
         rgbe = _scanlines(data, start, lines, length)
     except _BrokenError as error:
-        raise InputError(f"{path}: not a readable Radiance picture ({error})") from None
+        raise InputError(
+            f"{path}: not a readable Radiance picture ({error}); save it again, as EXR if need be"
+        ) from None
     return _upright(_linear(rgbe), size)
 
 
@@ -55,7 +57,7 @@ def _header(data: bytes) -> tuple["re.Match[bytes]", int]:
     while (end := data.find(b"\n", position, _LONGEST_HEADER)) >= 0:
         line = data[position:end]
         position = end + 1
-        if line.startswith(b"FORMAT=") and line.strip() != b"FORMAT=32-bit_rle_rgbe":
+        if line.startswith(b"FORMAT=") and line[7:].strip() != b"32-bit_rle_rgbe":
             raise _BrokenError(f"its pixels are {line[7:60].decode(errors='replace').strip()}")
         size = _SIZE.match(line)
         if size is not None:

@@ -10,19 +10,6 @@ from r3gw.imaging.files import LDR_SUFFIXES
 from r3gw.lighting import envmap
 
 
-def map_light(path: Path, degree: int) -> Float[Tensor, "coeff 3"]:
-    """SH light of an environment map as it looks from inside (r3gw.lighting.envmap).
-
-    Args:
-        path: .exr or .hdr (linear), .png or .jpg (display values, made linear here).
-        degree: SH degree of the light.
-
-    Raises:
-        InputError: If the map is unreadable or not 2:1.
-    """
-    return light_of_map(linear_env_map(path), degree)
-
-
 def linear_env_map(path: Path) -> Float[Tensor, "h w 3"]:
     """Read an environment map as linear light; display values (.png, .jpg) are made linear.
 

@@ -36,6 +36,7 @@ class Attribute:
         rate: Learning rate, a name of `r3gw.training.settings.RateSettings.named`.
         activate: Turns rows into the values that are drawn.
         columns: PLY columns; none where a file holds something else in its place.
+        material: What shading calls the value; None for what is no property of the surface.
     """
 
     name: str

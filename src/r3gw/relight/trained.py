@@ -35,6 +35,14 @@ class TrainedScene:
     gaussians: Relightable
     scene: Scene | None
 
+    def __repr__(self) -> str:
+        """One line: the arrays would fill pages of a notebook."""
+        count, sky = self.gaussians.num_foreground, self.gaussians.num_sky
+        return (
+            f"<TrainedScene of {self.gaussians.origin}: {count:,} foreground and {sky:,} sky "
+            f"Gaussians, {len(self.cameras)} cameras, {len(self.lights)} lights>"
+        )
+
     @cached_property
     def cameras(self) -> Mapping[str, Camera]:
         """The photos' cameras by the photos' names; empty without an imported scene."""

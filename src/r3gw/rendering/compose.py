@@ -8,7 +8,7 @@ from torch import Tensor
 from r3gw.geometry.cameras import Camera
 from r3gw.model.model import SceneModel
 from r3gw.raster import rasterize
-from r3gw.rendering.channels import COLOUR, DEPTH, FOREGROUND, NORMAL, NUM_LEARNED, SKY, Layers
+from r3gw.rendering.channels import COLOUR, DEPTH, FOREGROUND, NORMAL, NUM_LEARNED, Layers
 from r3gw.rendering.splat_set import Splats
 from r3gw.rendering.splats import splats_of
 
@@ -50,24 +50,15 @@ class Rendering:
         return self.planes[NORMAL].permute(1, 2, 0)
 
     @property
-    def foreground_colour(self) -> Float[Tensor, "h w"]:
-        """Channel sum of the foreground's share of the colour, of a pass with `Layers.COLOUR`."""
-        return self._layer(FOREGROUND, Layers.COLOUR)
-
-    @property
-    def sky_colour(self) -> Float[Tensor, "h w"]:
-        """Channel sum of the sky's share of the colour, of a pass with `Layers.COLOUR`."""
-        return self._layer(SKY, Layers.COLOUR)
-
-    @property
     def foreground_opacity(self) -> Float[Tensor, "h w"]:
-        """Opacity that the foreground contributes, of a pass with `Layers.OPACITY`."""
-        return self._layer(FOREGROUND, Layers.OPACITY)
+        """Opacity that the foreground contributes.
 
-    def _layer(self, channel: int, layers: Layers) -> Float[Tensor, "h w"]:
-        if self.splats.layers is not layers:
-            raise ValueError(f"the pass was drawn with {self.splats.layers!r}, not {layers!r}")
-        return self.planes[channel]
+        Raises:
+            ValueError: If the pass was not drawn with `Layers.OPACITY`.
+        """
+        if self.splats.layers is not Layers.OPACITY:
+            raise ValueError(f"the pass was drawn with {self.splats.layers!r}: opacity is unknown")
+        return self.planes[FOREGROUND]
 
 
 def render(

@@ -1,8 +1,8 @@
 """The checkpoint of a run: a run that continues from one ends as if it had never stopped.
 
-It lies beside the run, under a name with the run's digest, so a state
-made of other photos, masks, points, settings or code is never continued. It is no declared output
-of the workflow (Snakemake deletes those of interrupted jobs) and goes when training ends.
+It lies beside the run, under a name with the run's digest, so a state made of other photos, masks,
+points, settings or code is never continued. It is no declared output of the workflow (Snakemake
+deletes those of interrupted jobs) and goes when training ends.
 """
 
 import logging

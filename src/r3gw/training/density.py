@@ -35,10 +35,15 @@ class Grown(NamedTuple):
 class GradientStatistics:
     """Sums of screen-space gradient norms since the last densification, foreground then sky."""
 
-    def __init__(self, count: int) -> None:
-        """Start empty for ``count`` Gaussians."""
-        self.total = torch.zeros(count)
-        self.views = torch.zeros(count)
+    def __init__(self, count: int, device: torch.device | str = "cpu") -> None:
+        """Start empty for ``count`` Gaussians, on the device where they are."""
+        self.total = torch.zeros(count, device=device)
+        self.views = torch.zeros(count, device=device)
+
+    @classmethod
+    def of(cls, model: SceneModel) -> "GradientStatistics":
+        """Start empty for all Gaussians of a model."""
+        return cls(model.num_gaussians, model.foreground["means"].device)
 
     def add(
         self,

@@ -144,7 +144,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
             prune_huge=schedule.prunes_huge(iteration),
             generator=state.generator,
         )
-        state.statistics = GradientStatistics(model.num_gaussians)
+        state.statistics = GradientStatistics.of(model)
         watch_counts(state, grown)
     if schedule.resets_opacity(iteration):
         reset_opacity(model, state.optimizer, density.reset_opacity)

@@ -1,5 +1,7 @@
 """The training objective of one photo (Eq. 17) with its named parts."""
 
+from collections.abc import Iterator
+
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -7,10 +9,11 @@ from torch import Tensor
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
 from r3gw.rendering.compose import Rendering, render
+from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
 from r3gw.training.losses.choice import FORMS
 from r3gw.training.losses.forms import PictureWeights
-from r3gw.training.losses.weighted import Weighted, sum_of, value_of
+from r3gw.training.losses.weighted import sum_of, value_of
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
@@ -36,7 +39,7 @@ def objective(
         schedule: Says which losses act.
         generator: Light noise and positivity directions.
     """
-    weights, losses = settings.weights, FORMS[settings.losses]
+    losses = FORMS[settings.losses]
     lit = model.appearance(index)
     noise = torch.randn(lit.light.shape, generator=generator)
     noisy = torch.add(lit.light, noise.to(lit.light), alpha=settings.model.light_noise)
@@ -53,32 +56,45 @@ def objective(
         acting,
         settings.silhouette.solid,
     )
-    weighted = [pixels.total]
     if settings.silhouette.enabled:
         parts = {"silhouette": acting.silhouette * pixels.silhouette}
     else:
         parts = {"separation": acting.separation * pixels.separation}
     if iteration <= schedule.warm_up:
-        return rendering, sum_of(weighted), parts
+        return rendering, sum_of([pixels.total]), parts
 
     parts["reconstruction"] = acting.l1 * pixels.l1 + acting.dissimilarity * pixels.dissimilarity
     parts["normal"] = acting.normal * pixels.normal
-
-    def add(name: str, loss: Weighted) -> None:
-        weighted.append(loss)
-        parts[name] = value_of(loss)
-
     light_training = training_of(model.appearance.light_model)
-    for name, loss in light_training.losses(lit, photo, settings, generator):
-        add(name, loss)
+    others = [
+        *light_training.losses(lit, photo, settings, generator),
+        *regularisers(rendering, settings, schedule, iteration),
+    ]
+    parts |= {name: value_of(loss) for name, loss in others}
+    return rendering, sum_of([pixels.total, *(loss for _, loss in others)]), parts
+
+
+def regularisers(
+    rendering: Rendering, settings: TrainSettings, schedule: Schedule, iteration: int
+) -> Iterator[NamedLoss]:
+    """Losses of the Gaussians themselves, after the warm-up; each comes times its weight.
+
+    Args:
+        rendering: The Gaussians as a photo's camera sees them.
+        settings: The settings of the run.
+        schedule: Says which losses act.
+        iteration: Counts from 1.
+    """
+    weights, losses = settings.weights, FORMS[settings.losses]
     splats, radii_px = rendering.splats, rendering.radii_px
     if weights.sky_depth > 0:
-        num_foreground, gamma = len(model.foreground), weights.sky_depth_gamma
+        num_foreground, gamma = len(splats.smallest_scales), weights.sky_depth_gamma
         depths, weight = splats.depths, weights.sky_depth
-        add("sky_depth", losses.sky_depth(depths, radii_px, num_foreground, gamma, weight))
+        loss = losses.sky_depth(depths, radii_px, num_foreground, gamma, weight)
+        yield NamedLoss("sky_depth", loss)
     if iteration > schedule.geometry_losses_from:
-        add("scale", losses.flatness(splats.smallest_scales, radii_px, weights.scale))
-    return rendering, sum_of(weighted), parts
+        loss = losses.flatness(splats.smallest_scales, radii_px, weights.scale)
+        yield NamedLoss("scale", loss)
 
 
 def acting_weights(settings: TrainSettings, schedule: Schedule, iteration: int) -> PictureWeights:

@@ -2,8 +2,10 @@
 
 import gc
 import logging
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import torch
 
@@ -22,6 +24,7 @@ from r3gw.training.photos import load_photos
 from r3gw.training.run_digest import run_digest, run_parts
 from r3gw.training.settings import TrainSettings, load_train_settings
 from r3gw.training.start import initial_model
+from r3gw.training.state import TrainingState
 from r3gw.training.watched import Watched
 
 log = logging.getLogger(__name__)
@@ -95,14 +98,24 @@ def run_training(
     state = train(start, photos, settings, checkpoints, watched)
     save_model(state.model, files.target / "model.safetensors", values)
     state.history.write(files.target / "history.csv")
-    record = {
-        "scene": scene,
-        "variant": variant,
-        "seed": settings.seed,
-        "iterations": settings.iterations,
-        "settings_digest": digest(values),
+    timing = {"training_seconds": state.history.seconds(), "peak_rss_mb": peak_rss_mb()}
+    write_json(files.target / "timing.json", timing)
+    record = {"scene": scene, "variant": variant} | _record(state, values, parts, num_threads)
+    write_json(files.target / "run.json", record)
+    checkpoints.discard()
+    watched.discard()
+
+
+def _record(
+    state: TrainingState, settings: Mapping[str, Any], parts: Mapping[str, str], num_threads: int
+) -> dict[str, Any]:
+    """What run.json says of a finished run besides its names; nothing that was measured."""
+    return {
+        "seed": state.settings.seed,
+        "iterations": state.settings.iterations,
+        "settings_digest": digest(settings),
         "run_digest": run_digest(parts),
-        "depends_on": parts,
+        "depends_on": dict(parts),
         "code_version": code_version(),
         "machine": machine(),
         "num_threads": num_threads,
@@ -110,11 +123,6 @@ def run_training(
         "num_sky": len(state.model.sky.rows),
         "notes": state.notes,
     }
-    timing = {"training_seconds": state.history.seconds(), "peak_rss_mb": peak_rss_mb()}
-    write_json(files.target / "timing.json", timing)
-    write_json(files.target / "run.json", record)
-    checkpoints.discard()
-    watched.discard()
 
 
 def _code() -> str:

@@ -47,7 +47,7 @@ def first_state(model: SceneModel, settings: TrainSettings) -> TrainingState:
         model,
         settings,
         make_optimizer(model, settings),
-        GradientStatistics(model.num_gaussians),
+        GradientStatistics.of(model),
         PhotoOrder(len(model.photos)),
         torch.Generator().manual_seed(settings.seed),
         History(settings.iterations),

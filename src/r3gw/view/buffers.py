@@ -47,51 +47,51 @@ class Buffers:
     transfer_scale: NDArray[np.float32]
 
 
-def most_important(splats: Relightable, most: int) -> Relightable:
+def most_important(gaussians: Relightable, most: int) -> Relightable:
     """At most ``most`` Gaussians: all of the sky's, and the foreground's that cover most.
 
     Importance is opacity times the area of the two longer axes, which is what a Gaussian covers
     when it is looked at from the front.
 
     Args:
-        splats: The scene; returned as it is if it is small enough.
+        gaussians: The scene; returned as it is if it is small enough.
         most: Limit; the sky's Gaussians count, but none of them is left out.
     """
-    room = max(most - splats.num_sky, 0)
-    if splats.num_foreground <= room:
-        return splats
-    count = splats.num_foreground
-    longer = splats.log_scales[:count].sort(dim=-1, descending=True).values[:, :2].sum(-1)
-    cover = splats.opacities[:count].log() + longer
+    room = max(most - gaussians.num_sky, 0)
+    if gaussians.num_foreground <= room:
+        return gaussians
+    count = gaussians.num_foreground
+    longer = gaussians.log_scales[:count].sort(dim=-1, descending=True).values[:, :2].sum(-1)
+    cover = gaussians.opacities[:count].log() + longer
     kept = cover.topk(room).indices.sort().values
-    both = torch.cat([kept, torch.arange(count, len(splats.means))])
-    occlusion = splats.occlusion
+    both = torch.cat([kept, torch.arange(count, len(gaussians.means))])
+    occlusion = gaussians.occlusion
     return replace(
-        splats,
-        means=splats.means[both],
-        quaternions=splats.quaternions[both],
-        log_scales=splats.log_scales[both],
-        opacity_logits=splats.opacity_logits[both],
-        albedo=splats.albedo[kept],
-        roughness=splats.roughness[kept],
+        gaussians,
+        means=gaussians.means[both],
+        quaternions=gaussians.quaternions[both],
+        log_scales=gaussians.log_scales[both],
+        opacity_logits=gaussians.opacity_logits[both],
+        albedo=gaussians.albedo[kept],
+        roughness=gaussians.roughness[kept],
         occlusion=None if occlusion is None else occlusion[kept],
     )
 
 
-def buffers_of(splats: Relightable) -> Buffers:
+def buffers_of(gaussians: Relightable) -> Buffers:
     """Pack a scene; what rounding costs is held by tests/view/test_buffers.py."""
-    quaternions, log_scales = shortest_last(splats.quaternions, splats.log_scales)
-    place = torch.cat([splats.means, splats.opacities[:, None]], dim=-1).numpy()
+    quaternions, log_scales = shortest_last(gaussians.quaternions, gaussians.log_scales)
+    place = torch.cat([gaussians.means, gaussians.opacities[:, None]], dim=-1).numpy()
     fractions = np.rint(quaternions * QUATERNION_STEPS).astype("<i2").view("<u2")
     logs = np.maximum(log_scales, FLATTEST_LOG_SCALE)
     halves = np.pad(logs, ((0, 0), (0, 1))).astype("<f2").view("<u2")
     words = np.concatenate([fractions, halves], axis=1)
     shape = np.ascontiguousarray(words).view("<u4")
-    roughness = splats.roughness[:, None].numpy()
-    surface = np.concatenate([splats.albedo.numpy() ** (1 / GAMMA), roughness], axis=1)
+    roughness = gaussians.roughness[:, None].numpy()
+    surface = np.concatenate([gaussians.albedo.numpy() ** (1 / GAMMA), roughness], axis=1)
     levels = np.rint(surface * BYTE_STEPS).astype(np.uint8)
-    transfer, scale = _transfer(splats)
-    count = len(splats.means)
+    transfer, scale = _transfer(gaussians)
+    count = len(gaussians.means)
     return Buffers(
         _rows(place.astype("<f4"), count),
         _rows(shape, count),
@@ -122,15 +122,15 @@ def shortest_last(
     return found, np.take_along_axis(scales, shift, axis=1)
 
 
-def _transfer(splats: Relightable) -> tuple[NDArray[np.uint8] | None, NDArray[np.float32]]:
+def _transfer(gaussians: Relightable) -> tuple[NDArray[np.uint8] | None, NDArray[np.float32]]:
     width = 4 * TRANSFER_LAYERS
-    if splats.occlusion is None:
+    if gaussians.occlusion is None:
         return None, np.zeros(width, np.float32)
-    values = splats.occlusion.numpy()
+    values = gaussians.occlusion.numpy()
     padded = np.pad(values, ((0, 0), (0, width - values.shape[1])))
     scale = np.maximum(np.abs(padded).max(axis=0, initial=0.0), 1e-12).astype(np.float32)
     levels = (np.rint(padded / scale * TRANSFER_STEPS) + TRANSFER_ZERO).astype(np.uint8)
-    count = len(splats.means)
+    count = len(gaussians.means)
     layers = [_rows(levels[:, 4 * i : 4 * i + 4], count) for i in range(TRANSFER_LAYERS)]
     return np.stack(layers), scale
 

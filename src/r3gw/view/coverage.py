@@ -19,7 +19,7 @@ SEED = 0
 
 
 @torch.no_grad()
-def coverage(splats: Relightable, cameras: Sequence[Camera]) -> dict[str, Any] | None:
+def coverage(gaussians: Relightable, cameras: Sequence[Camera]) -> dict[str, Any] | None:
     """Points and the indices of the cameras that see each (web/src/payload.ts, `Coverage`).
 
     Points are means of foreground Gaussians, drawn with their opacity times area as weight: as
@@ -27,29 +27,29 @@ def coverage(splats: Relightable, cameras: Sequence[Camera]) -> dict[str, Any] |
     is no further away than what the picture shows there.
 
     Args:
-        splats: The scene.
+        gaussians: The scene.
         cameras: Cameras of the training photos.
 
     Returns:
         None if there is no foreground or no camera.
     """
-    if not cameras or not splats.num_foreground:
+    if not cameras or not gaussians.num_foreground:
         return None
-    chosen = _drawn(splats)
-    points = splats.means[chosen]
-    seen = torch.stack([_is_seen(splats, camera, points) for camera in cameras])
+    chosen = _drawn(gaussians)
+    points = gaussians.means[chosen]
+    seen = torch.stack([_is_seen(gaussians, camera, points) for camera in cameras])
     centres = torch.stack([camera.centre for camera in cameras]).to(points)
     return {
         "points": _rounded(points, 4),
-        "normals": _rounded(_outer(points, splats.normals[chosen], centres, seen), 3),
+        "normals": _rounded(_outer(points, gaussians.normals[chosen], centres, seen), 3),
         "seenBy": [torch.nonzero(column)[:, 0].tolist() for column in seen.T],
     }
 
 
-def _drawn(splats: Relightable) -> Tensor:
-    count = splats.num_foreground
-    longer = splats.scales[:count].sort(dim=-1, descending=True).values[:, :2].prod(-1)
-    weight = (splats.opacities[:count] * longer).double().clamp_min(1e-12)
+def _drawn(gaussians: Relightable) -> Tensor:
+    count = gaussians.num_foreground
+    longer = gaussians.scales[:count].sort(dim=-1, descending=True).values[:, :2].prod(-1)
+    weight = (gaussians.opacities[:count] * longer).double().clamp_min(1e-12)
     generator = torch.Generator().manual_seed(SEED)
     drawn = torch.multinomial(weight, min(MOST_POINTS, count), generator=generator)
     return drawn.sort().values
@@ -68,18 +68,18 @@ def _outer(
 
 
 def _is_seen(
-    splats: Relightable, camera: Camera, points: Float[Tensor, "p 3"]
+    gaussians: Relightable, camera: Camera, points: Float[Tensor, "p 3"]
 ) -> Bool[Tensor, "p"]:
     scale = min(1.0, LONGEST_SIDE_PX / max(camera.width, camera.height))
     small = camera.scaled(round(camera.width * scale), round(camera.height * scale))
     pose = small.cam_from_world.float()
-    depths = splats.means @ pose[2, :3] + pose[2, 3]
+    depths = gaussians.means @ pose[2, :3] + pose[2, 3]
     features = torch.stack([depths, torch.ones_like(depths)], dim=-1)
     image = rasterize(
-        splats.means,
-        splats.quaternions,
-        splats.scales,
-        splats.opacities,
+        gaussians.means,
+        gaussians.quaternions,
+        gaussians.scales,
+        gaussians.opacities,
         features,
         pose,
         small.intrinsics,

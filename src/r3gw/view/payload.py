@@ -59,12 +59,12 @@ class Payload:
 
 
 def payload_of(
-    splats: Relightable, scene: Scene, scene_folder: Path, options: PageOptions = DEFAULTS
+    gaussians: Relightable, scene: Scene, scene_folder: Path, options: PageOptions = DEFAULTS
 ) -> Payload:
     """Collect a page's content.
 
     Args:
-        splats: The trained scene.
+        gaussians: The trained scene.
         scene: Its photos' cameras.
         scene_folder: Where their pictures are.
         options: What goes in.
@@ -74,9 +74,9 @@ def payload_of(
     """
     if not scene.views:
         raise InputError(f"{scene_folder}: the scene has no photos, so no camera to start from")
-    if len(splats.means) == 0:
+    if len(gaussians.means) == 0:
         raise InputError(f"{scene_folder}: the model has no Gaussians to show")
-    shown = most_important(splats, options.most_gaussians)
+    shown = most_important(gaussians, options.most_gaussians)
     views = [*scene.split("train"), *scene.split("test")]
     cameras = [view.camera for view in scene.split("train")]
     middle = shown.middle if shown.num_foreground else shown.means.mean(dim=0)
@@ -93,7 +93,7 @@ def payload_of(
         "title": options.title or scene.name,
         "numForeground": shown.num_foreground,
         "numSky": shown.num_sky,
-        "numLeftOut": len(splats.means) - len(shown.means),
+        "numLeftOut": len(gaussians.means) - len(shown.means),
         "rows": len(buffers.place),
         "withSpecular": shown.with_specular,
         "lightDegree": shown.light_degree,
@@ -117,15 +117,15 @@ def payload_of(
     return Payload(json.loads(json.dumps(facts)), blobs)
 
 
-def _learned(splats: Relightable) -> dict[str, Any]:
+def _learned(gaussians: Relightable) -> dict[str, Any]:
     """Learned lights and what exposure ``auto`` aims at (r3gw.relight.lights)."""
-    if not splats.lights:
+    if not gaussians.lights:
         return {"lights": [], "learnedMean": None}
     lights = [
         {"photo": photo, "light": _rows(light.sh), "sky": _rows(_sky(light))}
-        for photo, light in splats.lights.items()
+        for photo, light in gaussians.lights.items()
     ]
-    return {"lights": lights, "learnedMean": learned_strength(splats)}
+    return {"lights": lights, "learnedMean": learned_strength(gaussians)}
 
 
 def _sky(light: Light) -> Float[Tensor, "skycoeff 3"]:
@@ -139,9 +139,9 @@ def _rows(values: Float[Tensor, "coeff 3"]) -> list[list[float]]:
     return [[round(value, LIGHT_DIGITS) for value in row] for row in values.tolist()]
 
 
-def _depth_range(splats: Relightable, cameras: list[Any]) -> list[float]:
+def _depth_range(gaussians: Relightable, cameras: list[Any]) -> list[float]:
     """Depths of the foreground over the training cameras, without the outermost."""
-    means = splats.means[: splats.num_foreground]
+    means = gaussians.means[: gaussians.num_foreground]
     if not cameras or not len(means):
         return [0.0, 1.0]
     centres = torch.stack([camera.centre for camera in cameras]).to(means)

@@ -36,6 +36,25 @@ def test_colours(tmp_path, colours, kind, names):
     assert np.array_equal(points.xyz, XYZ)  # in double precision
 
 
+def test_the_constant_harmonic_of_splats_is_their_colour(tmp_path):
+    """Y_0 is 1 / (2 sqrt(pi)): colour = 0.5 + Y_0 f_dc, so f_dc = (colour - 0.5) 2 sqrt(pi)."""
+    names = ("f_dc_0", "f_dc_1", "f_dc_2")
+    constant = (RGB / 255.0 - 0.5) * 2.0 * np.sqrt(np.pi)
+    points = read_ply_points(write(tmp_path / "a.ply", constant, "f4", names))
+    assert np.array_equal(points.rgb, RGB)
+
+
+def test_names_in_upper_case(tmp_path):
+    path = write(tmp_path / "a.ply", RGB, "u1", ("Red", "Green", "Blue"))
+    data = path.read_bytes()
+    for axis in (b"x", b"y", b"z"):
+        data = data.replace(b"double " + axis + b"\n", b"double " + axis.upper() + b"\n")
+    path.write_bytes(data)
+    points = read_ply_points(path)
+    assert np.array_equal(points.rgb, RGB)
+    assert np.array_equal(points.xyz, XYZ)
+
+
 def test_points_without_colour_are_black_and_without_place_refused(tmp_path):
     points = read_ply_points(write(tmp_path / "a.ply", RGB, "u1", ("nx", "ny", "nz")))
     assert not points.rgb.any()

@@ -44,6 +44,22 @@ def test_predicted_memory_is_that_of_measured_runs(size_px, gaussians, changes, 
     assert measured_mb / 1.3 < predicted(settings, size).memory_mb < 1.3 * measured_mb
 
 
+# Milliseconds of an iteration on one thread (docs/performance.md, "One training iteration").
+ITERATION_MS = [
+    ((240, 180), 24_983, 22.4),
+    ((320, 240), 20_000, 23.3),
+    ((640, 480), 100_000, 91.6),
+]
+
+
+@pytest.mark.parametrize(("size_px", "gaussians", "measured_ms"), ITERATION_MS)
+def test_predicted_time_is_that_of_measured_iterations(size_px, gaussians, measured_ms):
+    pixels = size_px[0] * size_px[1]
+    size = SceneSize(foreground=gaussians, sky=0, photos=20, photo_pixels=20 * pixels)
+    settings = train_settings(iterations=1000, density={"max_gaussians": gaussians})
+    assert measured_ms / 1.3 < predicted(settings, size).seconds < 1.3 * measured_ms
+
+
 def test_shadows_take_the_time_that_a_run_with_them_took():
     """58 s against 25 s, 1,000 iterations of the chapel from 11,000 to 25,000 Gaussians."""
     size = SceneSize(foreground=11_000, sky=0, photos=20, photo_pixels=20 * 240 * 180)

@@ -4,6 +4,7 @@ from math import exp, pi, sqrt
 
 import pytest
 import torch
+from support.settings import train_settings
 
 from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.geometry.rotations import rotation_about_axis
@@ -11,9 +12,11 @@ from r3gw.geometry.spherical import direction_from_angles
 from r3gw.lighting import sh
 from r3gw.training.losses.geometry import flatness_loss, normal_loss, normals_from_depth
 from r3gw.training.losses.lighting import positivity_loss, random_directions, visible_sky_loss
-from r3gw.training.losses.reconstruction import masked_l1, reconstruction_loss
+from r3gw.training.losses.reconstruction import masked_l1
 from r3gw.training.losses.separation import separation_loss, silhouette_loss, sky_depth_loss
 from r3gw.training.losses.ssim import mean_ssim
+from r3gw.training.objective import acting_weights
+from r3gw.training.schedule import Schedule
 
 EVERYWHERE = torch.ones(24, 32, dtype=torch.bool)
 
@@ -49,19 +52,20 @@ def test_masked_pixels_do_not_leak(pictures):
     a, b = pictures
     is_valid = EVERYWHERE.clone()
     is_valid[5:12, 8:20] = False
-    before = reconstruction_loss(a, b, is_valid, 0.2)
     spoiled = torch.where(is_valid[..., None], a, 1 - a)
-    after = reconstruction_loss(spoiled, b, is_valid, 0.2)
-    assert float(after) == pytest.approx(float(before), abs=1e-7)
+    for loss in (masked_l1, mean_ssim):
+        before, after = loss(a, b, is_valid), loss(spoiled, b, is_valid)
+        assert float(after) == pytest.approx(float(before), abs=1e-7)
 
 
-def test_reconstruction_is_the_weighted_sum(pictures):
-    a, b = pictures
-    l1, ssim = masked_l1(a, b, EVERYWHERE), mean_ssim(a, b, EVERYWHERE)
-    expected = 0.8 * l1 + 0.2 * (1 - ssim)
-    torch.testing.assert_close(
-        reconstruction_loss(a, b, EVERYWHERE, 0.2), expected, rtol=1e-6, atol=0
-    )
+def test_reconstruction_is_weighted_as_in_the_paper():
+    settings = train_settings()
+    schedule = Schedule.of(settings)
+    weights = acting_weights(settings, schedule, schedule.warm_up + 1)
+    assert weights.l1 == pytest.approx(0.8, rel=1e-12, abs=0)
+    assert weights.dissimilarity == pytest.approx(0.2, rel=1e-12, abs=0)
+    warming_up = acting_weights(settings, schedule, schedule.warm_up)
+    assert (warming_up.l1, warming_up.dissimilarity) == (0, 0)
 
 
 @pytest.mark.parametrize("domain", ["hemisphere", "sphere"])

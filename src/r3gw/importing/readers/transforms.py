@@ -24,7 +24,7 @@ _FISHEYE = ("OPENCV_FISHEYE", "FISHEYE")
 # A camera's geometry by other tools: more lens terms, other projections, moving shutters.
 _GEOMETRY = re.compile(
     r"k\d+|p\d+|b\d+|s\d+|tau\w*|skew|distortion\w*|ftheta\w*|latlong|equirect\w*|\w*fisheye"
-    r"|is_\w*(pano|ortho|equi|spher|360)\w*|lens_(mode|model|params|distortion)|rolling_shutter\w*|\w*projection\w*|crop_\w+|\w*_fov|fov\w*|radial|tangential",
+    r"|is_\w*(pano|ortho|equi|spher|360)\w*|ortho(graphic)?\w*|panoram\w*|lens_(mode|model|params|distortion)|rolling_shutter\w*|\w*projection\w*|crop_\w+|\w*_fov|fov\w*|radial|tangential",
     re.IGNORECASE,
 )
 _NEUTRAL: tuple[Any, ...] = (None, False, 0, 0.0, "", [], {})
