@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from unittest.mock import patch
 
 import click
 import cv2
@@ -21,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from r3gw.files import atomic_path
-from r3gw.importing.reconstruction import incremental
+from r3gw.importing.reconstruction import incremental, matching
 from r3gw.importing.settings import PhotosScene
 from r3gw.importing.stage import import_scene
 
@@ -70,10 +71,10 @@ def measure(photos: Path, target: Path, way: str, threads: int) -> dict[str, obj
 
         return run
 
-    incremental.match_photos = timed(incremental.match_photos)
     settings = PhotosScene.model_validate({"format": "photos", "path": ".", "matching": way})
     start = time.perf_counter()
-    import_scene("benchmark", settings, photos, target, num_threads=threads)
+    with patch.object(incremental, "match_photos", timed(matching.match_photos)):
+        import_scene("benchmark", settings, photos, target, num_threads=threads)
     report = json.loads((target / "sfm_report.json").read_text())
     return {
         "matching": report["matching"],

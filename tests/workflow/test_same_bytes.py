@@ -12,12 +12,12 @@ pytestmark = pytest.mark.slow
 MEASURED = {"timing.json", "cost.json", "cost.csv"}
 
 
-def test_a_second_run_gives_the_same_bytes(finished, tmp_path):
-    again = Path(shutil.copytree(finished, tmp_path / "again", symlinks=True))
+def test_a_second_run_gives_the_same_bytes(pristine, tmp_path):
+    again = Path(shutil.copytree(pristine, tmp_path / "again", symlinks=True))
     shutil.rmtree(again / "results/tiny")
     done = snakemake(again, "all")
     assert done.returncode == 0, done.stderr
-    first, second = (contents(folder / "results") for folder in (finished, again))
+    first, second = (contents(folder / "results") for folder in (pristine, again))
     assert {Path(name).name for name in first} >= MEASURED | {
         "table1.csv",
         "images.csv",
@@ -32,7 +32,7 @@ def test_a_second_run_gives_the_same_bytes(finished, tmp_path):
     assert set(first) == set(second)
     assert [name for name in first if first[name] != second[name]] == []
     for name in ("tiny/full/seed0/timing.json", "cost.csv"):
-        assert (finished / "results" / name).read_bytes() != (again / "results" / name).read_bytes()
+        assert (pristine / "results" / name).read_bytes() != (again / "results" / name).read_bytes()
 
 
 def contents(results: Path) -> dict[str, bytes]:
