@@ -6,23 +6,25 @@ from pathlib import Path
 import pytest
 from support.tiny_workflow import TWO, checkout, snakemake, started
 
+PRISTINE = "finished_pristine"
+
 
 @pytest.fixture(scope="session")
-def pristine(repository, tmp_path_factory) -> Path:
-    """Copy in which `all` has run and nothing since; not to be changed."""
-    folder = checkout(repository, tmp_path_factory.mktemp("pristine"))
+def finished(repository, tmp_path_factory) -> Path:
+    """Copy in which `all` has run; tests may run more in it."""
+    folder = checkout(repository, tmp_path_factory.mktemp("finished"))
     done = snakemake(folder, "all")
     logs = "".join(path.read_text() for path in (folder / "logs").rglob("*.log"))
     assert done.returncode == 0, done.stderr + logs
     (folder / "all.log").write_text(done.stderr)
+    shutil.copytree(folder, folder.with_name(PRISTINE), symlinks=True)
     return folder
 
 
 @pytest.fixture(scope="session")
-def finished(pristine, tmp_path_factory) -> Path:
-    """The same, for tests that run more in it."""
-    folder = tmp_path_factory.mktemp("finished") / "checkout"
-    return Path(shutil.copytree(pristine, folder, symlinks=True))
+def pristine(finished) -> Path:
+    """What `finished` held when `all` had just run there; to be read and copied alone."""
+    return finished.with_name(PRISTINE)
 
 
 @pytest.fixture(scope="session")
