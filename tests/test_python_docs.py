@@ -35,6 +35,7 @@ assert colour.shape == (48, 64, 3) and alpha.max() > 0.8
 """
 
 
+@pytest.mark.slow
 def test_examples_run(tiny, tmp_path, examples):
     copytree(tiny.folder, tmp_path / "results/chapel/scene", ignore=lambda *_: {"run"})
     copytree(tiny.model_path.parent, tmp_path / "results/chapel/full/seed0")
@@ -66,6 +67,7 @@ FORBIDDEN = (
 )
 
 
+@pytest.mark.slow
 def test_one_picture_needs_the_base_installation_alone(tiny, tmp_path):
     """Load, render and export with an import system that knows no library of an extra."""
     program = f"""

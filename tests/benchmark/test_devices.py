@@ -76,6 +76,7 @@ def test_visits_keep_the_list_and_add_to_it():
     assert with_visits(own, 1, np.random.default_rng(0)) == own
 
 
+@pytest.mark.slow
 def test_originals_stand_in_a_colmap_folder(tmp_path):
     generate(
         "colonnade", 0, tmp_path / "s", size_px=(48, 32), train_views=4, test_views=1, samples=1,

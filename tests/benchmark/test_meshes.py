@@ -71,6 +71,7 @@ def test_roofs_look_up() -> None:
         assert area_vectors(roof)[:, 2].sum() >= -1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PLACES)
 def test_every_part_of_a_place_is_sound(name: str) -> None:
     parts, materials = PLACES[name].build(stream(0, name, "build"))

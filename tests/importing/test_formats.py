@@ -62,6 +62,7 @@ def assert_same_points(found, expected, atol):
     assert np.array_equal(points.rgb, reference.rgb)
 
 
+@pytest.mark.slow
 def test_nerf_osr_with_its_quirks(source, expected, tmp_path):
     dropped = formats.as_published(source, tmp_path / "published")
     settings = NerfOsrScene(format="nerf-osr", path=".")

@@ -29,6 +29,7 @@ def assert_dots_in_place(scene, points, folder):
     assert max(errors) < WITHIN_PX
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [True, False], ids=["text", "binary"])
 @pytest.mark.parametrize("per_image", [True, False], ids=["per image", "shared"])
 @pytest.mark.parametrize("model", dots.LENSES)

@@ -77,6 +77,7 @@ def test_missing_occluder_mask_is_an_error_or_all_valid(imported):
     assert views_of(target)[name]["is_valid"] == {"source": "all", "share": 1.0}
 
 
+@pytest.mark.slow
 def test_classical_ignores_given_sky(imported):
     scene, folder, target = imported
     overwrite(folder, "is_sky", scene.views[0].name, ROWS < 0)

@@ -90,6 +90,7 @@ WATCH = "from r3gw.files.processes import {0}; {0}(); import time; print('up', f
 WATCH += "time.sleep(300)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["end_with_owner", "end_with_parent"])
 def test_a_stage_ends_with_its_parent(which):
     """The parent is a shell that is killed, as by kill -9 of a run."""

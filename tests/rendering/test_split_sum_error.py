@@ -61,6 +61,7 @@ def cook_torrance(normal, view, roughness, light):
     return (weight[:, None] * radiance).sum(0) * 4 * pi / COUNT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("roughness", ERRORS)
 def test_error_is_what_is_stated(light, roughness):
     """Forty random normals and views; the stated figures hold to a hundredth of the radiance."""

@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 import torch
 from support import nerf_osr_layout
 
@@ -71,6 +72,7 @@ def large_scene(tmp_path):
     return tmp_path / "scene", tmp_path / "masks"
 
 
+@pytest.mark.slow
 def test_photos_are_held_as_bytes_once(tmp_path):
     scene, masks = large_scene(tmp_path)
     photos = load_photos(load_scene(scene), scene, masks)
@@ -86,6 +88,7 @@ def test_photos_are_held_as_bytes_once(tmp_path):
     assert grown > 0.9 * 11 * 5 * pixels - 8 * pixels
 
 
+@pytest.mark.slow
 def test_masks_are_made_one_photo_at_a_time(tmp_path):
     scene, masks = large_scene(tmp_path)
     assert growth_bytes(MAKE, scene, masks) < 12 * SIZE[0] * SIZE[1]

@@ -80,6 +80,7 @@ def assert_agree(found, expected):
     assert float(difference.max()) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("silhouette", [False, True])
 def test_every_kernel_replaced(monkeypatch, silhouette):
     changes = {"silhouette": {"enabled": silhouette}}
