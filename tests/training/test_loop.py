@@ -182,3 +182,14 @@ def test_history_of_a_continued_run_has_the_same_bytes(tmp_path):
     assert calm.startswith(b"iteration,loss,psnr,num_foreground,num_sky,sky_radius,loss_light,")
     assert (tmp_path / "continued").read_bytes() == calm
     assert (tmp_path / "late").read_bytes() == calm
+
+
+def test_a_disk_that_takes_no_frame_does_not_end_the_run(
+    settings, photos, initial, tmp_path, caplog
+):
+    ask(tmp_path)
+    (tmp_path / PICTURE).mkdir()  # a folder where the picture should go: the rename is refused
+    start = initial_model(initial, ("a", "b"), settings)
+    state = train(start, photos, settings, watched=Watched(tmp_path))
+    assert state.iteration == settings.iterations
+    assert "nothing is shown to those who watch" in caplog.text

@@ -7,7 +7,7 @@ blocked directions take from the irradiance of an SH light, linear in the light'
 horizon stay open: there the light shows the ground, which sends back what falls on it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi, sqrt
 
@@ -24,6 +24,7 @@ from r3gw.model.settings import OcclusionSettings
 SAMPLES = 32  # Points that spread a Gaussian's opacity over voxels.
 BOX_QUANTILES = (0.02, 0.98)  # Of the positions: what lies outside casts no shadow.
 BOX_MARGIN = 3  # Voxels around that box.
+PART = 8192  # Gaussians whose samples and rays are held at a time.
 DENSEST = 0.99  # Opacities are cut here, so that their optical depth stays finite.
 
 
@@ -55,17 +56,24 @@ def update_occlusion(
     """
     grid = opacity_grid(rows, settings.voxels)
     means, reach = rows["means"].detach(), settings.reach
-    axes = shortest_axes(rows["quaternions"], rows["log_scales"]).detach()
-    normals = outer_normals(grid, means, axes, camera_centres, settings.offset, reach)
+    normals = shortest_axes(rows["quaternions"], rows["log_scales"]).detach()
     directions = upper_directions(settings.directions).to(means)
-    starts = means + settings.offset * grid.voxel * normals
-    visible = visibility(grid, starts, directions, reach)
-    degree = int(sqrt(rows[OCCLUSION].shape[1])) - 1
-    lost = (1 - settings.bounce) * (1 - visible)
-    occlusion = blocked_irradiance(lost, normals, directions, degree)
+    occlusion = torch.empty_like(rows[OCCLUSION])
+    degree = int(sqrt(occlusion.shape[1])) - 1
+    for part in parts(len(means)):
+        axes, centre = normals[part], means[part]
+        outer = outer_normals(grid, centre, axes, camera_centres, settings.offset, reach)
+        starts = centre + settings.offset * grid.voxel * outer
+        lost = (1 - settings.bounce) * (1 - visibility(grid, starts, directions, reach))
+        occlusion[part] = blocked_irradiance(lost, outer, directions, degree)
+        normals[part] = outer
     opacities = rows["opacity_logits"].detach().sigmoid()
-    smooth = smoothed(occlusion, means, normals, opacities, settings.neighbours)
-    rows[OCCLUSION].copy_(smooth)
+    rows[OCCLUSION].copy_(smoothed(occlusion, means, normals, opacities, settings.neighbours))
+
+
+def parts(count: int) -> Iterator[slice]:
+    """Gaussians in parts of at most `PART`, so that samples and rays of few are held at a time."""
+    return (slice(first, first + PART) for first in range(0, count, PART))
 
 
 def upper_directions(count: int) -> Float[Tensor, "{count} 3"]:
@@ -89,18 +97,19 @@ def opacity_grid(rows: Rows, voxels: int) -> OpacityGrid:
     size = ((high - low) / voxel).ceil().long() + 2 * BOX_MARGIN
     scales = rows["log_scales"].detach().exp()
     rotations = rotation_from_quaternion(rows["quaternions"].detach())
-    normal = torch.randn(SAMPLES, 3, generator=torch.Generator().manual_seed(0))
-    local = normal.to(means) * scales[:, None]
-    points = means[:, None] + local @ rotations.transpose(1, 2)
+    normal = torch.randn(SAMPLES, 3, generator=torch.Generator().manual_seed(0)).to(means)
     widest = scales.sort(dim=-1, descending=True).values
     face = 2 * pi * widest[:, 0] * widest[:, 1]
     opacity = rows["opacity_logits"].detach().sigmoid().clamp(max=DENSEST)
     share = -torch.log1p(-opacity) * face / (voxel**2 * SAMPLES)
-    cell = ((points - corner) / voxel).floor().long()
-    is_inside = ((cell >= 0) & (cell < size)).all(-1)
-    flat = (cell[..., 0] * size[1] + cell[..., 1]) * size[2] + cell[..., 2]
     depth = means.new_zeros(int(size.prod()))
-    depth.index_add_(0, flat[is_inside], share[:, None].expand_as(flat)[is_inside])
+    for part in parts(len(means)):
+        local = normal * scales[part][:, None]
+        points = means[part][:, None] + local @ rotations[part].transpose(1, 2)
+        cell = ((points - corner) / voxel).floor().long()
+        is_inside = ((cell >= 0) & (cell < size)).all(-1)
+        flat = (cell[..., 0] * size[1] + cell[..., 1]) * size[2] + cell[..., 2]
+        depth.index_add_(0, flat[is_inside], share[part][:, None].expand_as(flat)[is_inside])
     return OpacityGrid(corner, voxel, depth.reshape(*size.tolist()))
 
 
@@ -201,6 +210,10 @@ def smoothed(
     points = means.double().cpu().numpy()
     nearest = cKDTree(points).query(points, k=list(range(1, count + 1)))[1]
     index = torch.from_numpy(nearest).to(means.device)
-    likeness = (normals[index] * normals[:, None]).sum(-1).clamp_min(0).square()
-    weight = opacities[index] * likeness + 1e-6
-    return (values[index] * weight[..., None]).sum(1) / weight.sum(1, keepdim=True)
+    result = torch.empty_like(values)
+    for part in parts(len(means)):
+        near = index[part]
+        likeness = (normals[near] * normals[part][:, None]).sum(-1).clamp_min(0).square()
+        weight = opacities[near] * likeness + 1e-6
+        result[part] = (values[near] * weight[..., None]).sum(1) / weight.sum(1, keepdim=True)
+    return result

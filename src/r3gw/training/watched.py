@@ -4,6 +4,7 @@
 nothing and spends one look at the clock per iteration.
 """
 
+import logging
 import time
 from pathlib import Path
 
@@ -16,6 +17,8 @@ from r3gw.imaging.pictures import bytes_from_display
 from r3gw.rendering.compose import Rendering
 from r3gw.training.photos import Photo
 from r3gw.training.state import TrainingState
+
+log = logging.getLogger(__name__)
 
 ASKED, CURVES, PICTURE = ".watched", ".watched.json", ".watched.png"
 INTERVAL_S = 3.0  # between frames
@@ -37,13 +40,22 @@ class Watched:
         self._next = 0.0
 
     def show_if_asked(self, state: TrainingState, photo: Photo, rendering: Rendering) -> None:
-        """Write the photo beside its rendering, and the rows of the history so far."""
+        """Write the photo beside its rendering, and the rows of the history so far.
+
+        A disk that takes no more costs the watcher a frame, and the training nothing.
+        """
         now = time.monotonic()
         if now < self._next:
             return
         self._next = now + INTERVAL_S
         if not _is_asked(self.folder / ASKED):
             return
+        try:
+            self._show(state, photo, rendering)
+        except OSError as error:
+            log.warning("nothing is shown to those who watch (%s)", error)
+
+    def _show(self, state: TrainingState, photo: Photo, rendering: Rendering) -> None:
         rendered = rendering.colour.detach().clamp(0.0, 1.0)
         pair = torch.cat([photo.target(), rendered], dim=1)
         write_image(self.folder / PICTURE, np.asarray(bytes_from_display(pair)))
@@ -65,5 +77,5 @@ class Watched:
 def _is_asked(path: Path) -> bool:
     try:
         return time.time() - path.stat().st_mtime < PATIENCE_S
-    except FileNotFoundError:
+    except OSError:
         return False
