@@ -2,6 +2,8 @@
 # make test  install with the test extra, then linters, type checker and the test suite
 # make levels    the kernels' tests for every level of processors that a wheel is made for
 # make wheel     a source distribution and a wheel that runs on any such machine, in dist/
+# make site      the documentation as a site, in build/site
+# make schemas   workflow/schemas from the settings' types
 # make kill-test   kills runs of a small workflow at random, and compares what comes out in the end
 # make test-quick  the tests that are not marked slow: for every edit, about a minute
 PYTHON ?= python3.11
@@ -10,7 +12,7 @@ BIN := .venv/bin
 SOURCES := pyproject.toml constraints.txt setup.py src/r3gw/native/build.py src/r3gw/native/levels.py \
 	$(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
-.PHONY: all ablations test test-quick kill-test fuzz lint levels wheel sanitize constraints clean
+.PHONY: all ablations test test-quick kill-test fuzz lint levels wheel site schemas sanitize constraints clean
 
 all: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) all
@@ -36,6 +38,7 @@ lint: .venv/installed-test
 	$(BIN)/mypy
 	$(BIN)/mypy benchmarks/*.py
 	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/snakemake --lint
 
 # Mutated files through every reader; ends with an error and lists them if there are faults.
 INPUTS ?= 100000
@@ -91,12 +94,22 @@ PIP := $(BIN)/pip install --quiet --disable-pip-version-check --constraint const
 	$(PIP) --no-build-isolation --editable '.[pipeline,benchmark,view]'
 	touch $@
 
+LIST_EXTRA := import sys, tomllib; \
+	project = tomllib.load(open('pyproject.toml', 'rb'))['project']; \
+	print(*project['optional-dependencies'][sys.argv[1]])
+
 # The test extra alone: asking pip for '.[test]' would compile the extension a second time.
 .venv/installed-test: .venv/installed
-	$(PIP) $$($(BIN)/python -c "import tomllib; \
-		project = tomllib.load(open('pyproject.toml', 'rb'))['project']; \
-		print(*project['optional-dependencies']['test'])")
+	$(PIP) $$($(BIN)/python -c "$(LIST_EXTRA)" test)
 	touch $@
+
+schemas: .venv/installed
+	$(BIN)/python -m r3gw.pipeline.schema workflow/schemas
+
+# A warning, a link that leads nowhere and a page that is in no menu are errors.
+site: .venv/installed
+	$(PIP) $$($(BIN)/python -c "$(LIST_EXTRA)" docs)
+	$(BIN)/mkdocs build --quiet --strict
 
 # After a change of versions: what is installed now becomes what everybody installs.
 constraints: .venv/installed-test
