@@ -109,10 +109,10 @@ schemas: .venv/installed
 # A warning, a link that leads nowhere and a page that is in no menu are errors.
 site: .venv/installed
 	$(PIP) $$($(BIN)/python -c "$(LIST_EXTRA)" docs)
-	$(BIN)/mkdocs build --quiet --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 # After a change of versions: what is installed now becomes what everybody installs.
-constraints: .venv/installed-test
+constraints: .venv/installed-test site
 	(sed '/^[^#]/d' constraints.txt; \
 		$(BIN)/pip freeze --all --exclude-editable --exclude pip | sed 's/+cpu$$//') > constraints.new
 	mv constraints.new constraints.txt

@@ -97,7 +97,7 @@ def test_any_folder_of_a_layout_will_do(tmp_path, pictures, plain, inside):
 
 def test_without_photos_their_folder_is_asked_for(tmp_path, pictures, plain):
     write_3dgs(tmp_path / "theirs", *pictures[:2], with_gt=False)
-    with pytest.raises(InputError, match="theirs: holds no photos beside the renders.*--truth"):
+    with pytest.raises(InputError, match=r"theirs: holds no photos beside the renders.*--truth"):
         score_folders(tmp_path / "theirs", None, None)
     scored = score_folders(tmp_path / "theirs", plain[0] / "photos", plain[0] / "masks")
     assert [each.masked for each in scored] == [each.masked for each in plain[1]]

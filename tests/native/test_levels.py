@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from importlib.machinery import EXTENSION_SUFFIXES
+from pathlib import Path
 
 import pytest
 
@@ -94,8 +95,8 @@ def test_a_package_without_an_extension_says_how_to_build_one(tmp_path):
 
 def test_this_process_runs_the_level_that_it_says():
     """The file of that level is the one that is mapped into this process, and no other."""
-    with open("/proc/self/maps") as maps:
-        mapped = set(re.findall(r"/r3gw/(_C[^/]*)\.(?:cpython|abi3)", maps.read()))
+    maps = Path("/proc/self/maps").read_text()
+    mapped = set(re.findall(r"/r3gw/(_C[^/]*)\.(?:cpython|abi3)", maps))
     assert mapped == {module_name(LEVEL)}
 
 

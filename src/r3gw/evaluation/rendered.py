@@ -1,12 +1,11 @@
 """Finds rendered pictures and their photos in folders as other programs write them.
 
-| Layout | Who writes it | Photos |
-| --- | --- | --- |
-| `<any>/ours_<iteration>/renders/00000.png` | 3DGS and what is built on it, LumiGauss too | `gt/` beside |
-| `<any>/rgb/<photo>` | nerfstudio, `ns-render dataset` | `gt-rgb/` beside |
-| `renders/val_step<step>_0000.png` | gsplat's `simple_trainer.py` | the left half |
-| `eval_img_0000.png` | nerfstudio, `ns-eval --render-output-path` | the left half |
-| pictures of any name | anybody | a folder of the same names |
+* ``<any>/ours_<iteration>/renders/00000.png`` of 3DGS and what is built on it, such as LumiGauss;
+  the photos are in ``gt/`` beside.
+* ``<any>/rgb/<photo>`` of nerfstudio's ``ns-render dataset``; the photos are in ``gt-rgb/`` beside.
+* ``renders/val_step<step>_0000.png`` of gsplat's ``simple_trainer.py``, and ``eval_img_0000.png``
+  of nerfstudio's ``ns-eval --render-output-path``; the photo is the left half of each.
+* Pictures of any name, with photos of the same names elsewhere.
 
 Of several iterations the last is taken; of `train` and `test`, `test`.
 """
@@ -74,7 +73,7 @@ def find_rendered(folder: Path) -> Rendered:
     """Look through a program's output for the renders to score.
 
     Args:
-        folder: Holds pictures, or any layout of the table above at most two folders deeper.
+        folder: Holds pictures, or any layout of the list above at most two folders deeper.
 
     Raises:
         InputError: If there are none, or two of the same name.

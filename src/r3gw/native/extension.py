@@ -45,7 +45,7 @@ def chosen_extension(package: Path) -> Extension:
 def _load() -> str:
     """Load the extension for this machine; the level that it was compiled for."""
     chosen = chosen_extension(Path(__file__).parents[1])
-    torch.ops.load_library(chosen.path)
+    torch.ops.load_library(chosen.path)  # type: ignore[no-untyped-call]
     return chosen.level
 
 

@@ -1,7 +1,7 @@
 """JSON schemas of the configuration files, for editors and catalogues, written from the settings.
 
-``python -m r3gw.pipeline.schema workflow/schemas`` writes them (`make schemas`). The workflow itself
-checks a configuration by `r3gw.pipeline.config`, which says more in its errors.
+``python -m r3gw.pipeline.schema workflow/schemas`` writes them (`make schemas`). The workflow
+itself checks a configuration by `r3gw.pipeline.config`, which says more in its errors.
 """
 
 import sys
