@@ -2,6 +2,8 @@
 # evaluation -> tables, figures, report. `snakemake --cores 2 all` makes results/table1.csv;
 # `snakemake --cores 2 ablations` makes results/ablations.csv; with
 # `--configfile config/studies/short_runs.yaml`, `study` makes results/study.csv.
+import os
+
 from snakemake.utils import min_version
 
 min_version("9.0")
@@ -14,6 +16,13 @@ if "scenes" not in config:
 
 
 report: "workflow/report/workflow.rst"
+
+
+# With `--software-deployment-method apptainer` every stage runs in this image (docs/cluster.md).
+CONTAINER = os.environ.get("R3GW_CONTAINER")
+
+
+container: CONTAINER
 
 
 include: "workflow/rules/common.smk"
