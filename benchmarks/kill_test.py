@@ -3,11 +3,11 @@
     python benchmarks/kill_test.py --rounds 2
 
 A small configuration with `full` and `r3gw_plus` runs once undisturbed, which tells the stages and
-how long each takes. In every round each stage is killed once, each training three times: the same
-command is started, the chosen stage waited for, and SIGKILL sent at a random moment of its duration
-to the whole process group, to that stage alone, or to Snakemake alone. At the end of a round the
-command runs to its end, and every file is compared with the calm run's, but for what was measured.
-Exit status 1 if any file differs, any run fails or any stage outlives its run.
+how much processor time each takes. In every round each stage is killed once, each training three
+times: the same command is started, the chosen stage waited for, and SIGKILL sent at a random moment
+of its work to the whole process group, to that stage alone, or to Snakemake alone. At the end of a
+round the command runs to its end, and every file is compared with the calm run's, but for what was
+measured. Exit status 1 if any file differs, any run fails or any stage outlives its run.
 """
 
 import argparse
@@ -32,7 +32,7 @@ MEASURED = {"timing.json", "cost.json", "cost.csv"}
 COST = re.compile(rb"<h2[^>]*>Cost.*?(?=<h2)", re.DOTALL)  # that section of report.html
 TARGETS = ("all",)
 TRAINING_KILLS = 3  # of each training, in every round
-LOOK_EVERY_S = 0.02
+LOOK_EVERY_S = 0.05
 CONFIG = {
     "scenes": {
         "tiny": {
@@ -100,45 +100,55 @@ def stages(folder: Path) -> dict[int, str]:
     return found
 
 
+def processor_s(pid: int) -> float | None:
+    """Seconds of processor time that a process has had; None if it is gone."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return None
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def watch(run: subprocess.Popen[bytes], folder: Path) -> dict[str, float]:
-    """Wait for a calm run; returns seconds of each stage, in the order of their first ends."""
-    seen: dict[int, tuple[str, float]] = {}
-    durations: dict[str, float] = {}
+    """Wait for a calm run; returns processor seconds of each stage, in the order of their ends."""
+    names: dict[int, str] = {}
+    used: dict[int, float] = {}
+    ended: dict[str, float] = {}
     while run.poll() is None:
-        now, running = time.monotonic(), stages(folder)
-        for pid, name in running.items():
-            seen.setdefault(pid, (name, now))
-        for pid in [pid for pid in seen if pid not in running]:
-            name, began = seen.pop(pid)
-            durations.setdefault(name, now - began)
+        names |= stages(folder)
+        for pid in list(names):
+            if (now := processor_s(pid)) is None:
+                ended.setdefault(names.pop(pid), used.pop(pid))
+            else:
+                used[pid] = now
         time.sleep(LOOK_EVERY_S)
-    return durations
+    return ended
 
 
-def wait_for(stage: str, run: subprocess.Popen[bytes], folder: Path) -> bool:
-    """Wait until a stage runs; False if the run ended before."""
+def wait_for(stage: str, run: subprocess.Popen[bytes], folder: Path) -> int | None:
+    """Process id of a stage as soon as it runs; None if the run ended before."""
     while run.poll() is None:
-        if stage in stages(folder).values():
-            return True
+        for pid, name in stages(folder).items():
+            if name == stage:
+                return pid
         time.sleep(LOOK_EVERY_S)
-    return False
+    return None
 
 
-def kill(which: str, stage: str, run: subprocess.Popen[bytes], folder: Path) -> bool:
-    """Kill the group, Snakemake or the stage; False if the stage has just ended."""
-    pids = [pid for pid, name in stages(folder).items() if name == stage]
-    if not pids:
+def kill(which: str, pid: int, after_s: float, run: subprocess.Popen[bytes]) -> bool:
+    """Kill when a stage has used so many processor seconds; False if it ended before."""
+    while (now := processor_s(pid)) is not None and now < after_s:
+        time.sleep(0.01)
+    try:
+        if which == "stage":
+            os.kill(pid, signal.SIGKILL)
+        elif which == "snakemake":
+            run.kill()
+        else:
+            os.killpg(run.pid, signal.SIGKILL)
+    except ProcessLookupError:
         return False
-    if which == "group":
-        os.killpg(run.pid, signal.SIGKILL)
-    elif which == "snakemake":
-        run.kill()
-    else:
-        try:
-            os.kill(pids[0], signal.SIGKILL)
-        except ProcessLookupError:
-            return False
-    return True
+    return now is not None
 
 
 def outlived(folder: Path, seconds: float = 60.0) -> dict[int, str]:
@@ -164,9 +174,9 @@ def digests(folder: Path) -> dict[str, str]:
 class Round:
     """Kills in one folder after another, until every stage has had its kills."""
 
-    def __init__(self, base: Path, durations: Mapping[str, float], expected: Mapping[str, str]):
-        """Begin in an empty folder; ``durations`` and ``expected`` are the calm run's."""
-        self.base, self.durations, self.expected = base, durations, expected
+    def __init__(self, base: Path, processor_s: Mapping[str, float], expected: Mapping[str, str]):
+        """Begin in an empty folder; ``processor_s`` and ``expected`` are the calm run's."""
+        self.base, self.processor_s, self.expected = base, processor_s, expected
         self.kills: list[tuple[str, str]] = []
         self.faults = self.number = 0
         self.folder = prepare(base / "disturbed0")
@@ -175,12 +185,13 @@ class Round:
         """Kill once in a stage; a run that ends without having met it is compared and left."""
         while True:
             run = start(self.folder)
-            if not wait_for(stage, run, self.folder):
+            pid = wait_for(stage, run, self.folder)
+            if pid is None:
                 self.compare(run.wait())
                 continue
-            time.sleep(draw.uniform(0.0, 0.9 * self.durations[stage]))
-            is_hit = kill(which, stage, run, self.folder)
-            if not is_hit:  # it was faster this time
+            after_s = draw.uniform(0.0, 0.95) * self.processor_s[stage]
+            is_hit = kill(which, pid, after_s, run)
+            if not is_hit and run.poll() is None:
                 os.killpg(run.pid, signal.SIGKILL)
             run.wait()
             if left := outlived(self.folder):
@@ -188,7 +199,7 @@ class Round:
                 self.faults += 1
             if is_hit:
                 self.kills.append((stage, which))
-                print(f"{len(self.kills)}: {which} during {stage}", flush=True)
+                print(f"{len(self.kills)}: {which} in {stage} after {after_s:.2f} s", flush=True)
                 return
 
     def compare(self, status: int) -> None:
@@ -222,15 +233,15 @@ def test(base: Path, rounds: int, draw: random.Random) -> int:
     copy_checkout(base / "checkout")
     calm = prepare(base / "calm")
     run = start(calm)
-    durations = watch(run, calm)
+    used = watch(run, calm)
     if run.returncode != 0:
         print(f"the calm run failed ({run.returncode}):", (calm / "run.log").read_text())
         return 1
     expected = digests(calm)
-    print(f"calm run: {len(expected)} files, {len(durations)} stages", flush=True)
-    disturbed = Round(base, durations, expected)
+    print(f"calm run: {len(expected)} files, {len(used)} stages", flush=True)
+    disturbed = Round(base, used, expected)
     for _ in range(rounds):
-        for stage in durations:
+        for stage in used:
             kinds = ["group", "stage", "snakemake"]
             for which in draw.sample(kinds, TRAINING_KILLS if "train" in stage else 1):
                 disturbed.kill(stage, which, draw)
