@@ -20,7 +20,6 @@ from r3gw.pipeline.lock import claim
 from r3gw.pipeline.slurm import failed_jobs
 from r3gw.pipeline.source_state import source_state
 from snakemake.exceptions import WorkflowError
-from snakemake.settings.types import DeploymentMethod
 
 try:
     CONFIG = load_config(config, "config")
@@ -78,9 +77,12 @@ KILLED = (
     " than there was"
 )
 INTERPRETER = f"export PATH={QUOTED_BIN}:$PATH"
-if CONTAINER and DeploymentMethod.APPTAINER in workflow.deployment_settings.deployment_method:
-    # The container's own, if its code is that of this checkout.
-    INTERPRETER = f"unset PYTHONPATH; export {CODE}={whole_digest()}"
+if CONTAINER:
+    # In the container its own, if its code is that of this checkout; elsewhere as ever.
+    INTERPRETER = (
+        'if [ -n "${{APPTAINER_CONTAINER:-}}${{SINGULARITY_CONTAINER:-}}" ]; then unset PYTHONPATH;'
+        f" export {CODE}={whole_digest()}; else {INTERPRETER}; fi"
+    )
 shell.prefix(
     f"set -euo pipefail; trap '[ $? != 137 ] || echo \"r3gw: {KILLED}\" >&2' EXIT;"
     f" {INTERPRETER}; "
