@@ -13,8 +13,8 @@ python3.11 -m venv .venv
 pip="/opt/r3gw/.venv/bin/pip install --no-cache-dir --disable-pip-version-check ${PIP_ARGS:-}"
 # torch first: the extension runs with the very version that it was built with.
 $pip --constraint constraints.txt torch setuptools ninja numpy
-# For every machine, not for the one that builds.
-R3GW_PORTABLE=1 $pip --constraint constraints.txt --no-build-isolation \
+# Kernels for all processors, not for the one that builds (r3gw.native.levels).
+$pip --constraint constraints.txt --no-build-isolation \
     '.[pipeline,benchmark,view,cluster]'
 rm -rf build src
 apt-get purge --yes --auto-remove g++ python3.11-dev

@@ -32,4 +32,4 @@ for variant in $variants; do
         targets+=("results/$scene/$variant/seed$seed/metrics/metrics.json")
     done
 done
-snakemake --snakefile "$checkout/Snakefile" --configfile "$configfile" "$@" -- "${targets[@]}"
+snakemake --snakefile "$checkout/workflow/Snakefile" --configfile "$configfile" "$@" -- "${targets[@]}"

@@ -20,13 +20,17 @@ from r3gw.pipeline.lock import claim
 from r3gw.pipeline.slurm import failed_jobs
 from r3gw.pipeline.source_state import source_state
 from snakemake.exceptions import WorkflowError
+from snakemake.settings.types import DeploymentMethod
 
 try:
     CONFIG = load_config(config, "config")
 except InputError as error:
     raise WorkflowError(str(error))
 
-DEFAULTS = f"{workflow.basedir}/config"
+# The folder config/ that came with this workflow, wherever it is included from. A workflow that is
+# used straight from its hosting site has it in the working folder, where snakedeploy puts it.
+BESIDE = workflow.current_basedir.join("../../config").get_path_or_uri(secret_free=True)
+DEFAULTS = os.path.normpath(BESIDE) if os.path.isdir(BESIDE) else "config"
 TRAIN_FILE, VARIANTS_FILE = f"{DEFAULTS}/train.yaml", f"{DEFAULTS}/variants.yaml"
 PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)
@@ -77,7 +81,7 @@ KILLED = (
     " than there was"
 )
 INTERPRETER = f"export PATH={QUOTED_BIN}:$PATH"
-if CONTAINER:
+if DeploymentMethod.APPTAINER in workflow.deployment_settings.deployment_method:
     # In the container its own, if its code is that of this checkout; elsewhere as ever.
     INTERPRETER = (
         'if [ -n "${{APPTAINER_CONTAINER:-}}${{SINGULARITY_CONTAINER:-}}" ]; then unset PYTHONPATH;'
