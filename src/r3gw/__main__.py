@@ -5,7 +5,7 @@ import sys
 import click
 
 # Importing the modules registers their commands.
-from r3gw.cli import check, data, report, runs, score, use, view  # noqa: F401
+from r3gw.cli import check, data, photos, report, runs, score, use, view  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
 from r3gw.files.extras import missing_extra
