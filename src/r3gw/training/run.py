@@ -24,6 +24,7 @@ from r3gw.training.loop import train
 from r3gw.training.photos import load_photos
 from r3gw.training.run_digest import run_digest, run_parts
 from r3gw.training.settings import TrainSettings, load_train_settings
+from r3gw.training.shown_light import with_shown_light
 from r3gw.training.snapshots import Snapshots
 from r3gw.training.start import initial_model
 from r3gw.training.state import TrainingState
@@ -84,14 +85,15 @@ def run_training(
     """
     torch.set_num_threads(num_threads)
     ops.keep_freed_memory()
-    settings = load_train_settings(files.settings)
     imported = load_scene(files.scene)
     photos = load_photos(imported, files.scene, files.masks)
+    asked = load_train_settings(files.settings)
+    settings = with_shown_light(asked, photos)
     initial = load_initial(files.initial)
     names = tuple(photo.name for photo in photos)
     sessions = tuple(view.session or view.name for view in imported.split("train"))
     start = initial_model(initial, names, settings, sessions, [photo.seen_sky for photo in photos])
-    values = settings.model_dump(mode="json")
+    values = asked.model_dump(mode="json")
     parts = run_parts(values, _code(), photos, sessions, initial, num_threads)
     checkpoints = Checkpoints(files.target, parts, checkpoint_s)
     if fresh:
@@ -134,6 +136,7 @@ def _record(
         "seed": state.settings.seed,
         "iterations": state.iteration,
         "settings_digest": digest(settings),
+        "first_light": state.settings.init.light_radiance,
         "run_digest": run_digest(parts),
         "depends_on": dict(parts),
         "code_version": code_version(),

@@ -16,13 +16,14 @@ from r3gw.training.lights.base import LightTraining, NamedLoss, Seen
 from r3gw.training.losses.lighting import visible_sky_loss
 from r3gw.training.photos import Photo
 from r3gw.training.settings import OutdoorSettings, TrainSettings
+from r3gw.training.shown_light import first_radiance
 from r3gw.training.visible_sky import first_sky
 
 
 def first_outdoor(settings: TrainSettings, seen: Seen) -> OutdoorLight:
     """Skies as the photos show them, per embedding, and a sun overhead."""
-    outdoor = settings.outdoor
-    skies = torch.stack([first_sky(photos, settings.init.light_radiance) for photos in seen])
+    outdoor, otherwise = settings.outdoor, first_radiance(settings)
+    skies = torch.stack([first_sky(photos, otherwise) for photos in seen])
     return OutdoorLight(
         skies, outdoor.sun_power, outdoor.ground_reflectance, settings.model.light_degree
     )
