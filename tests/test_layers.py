@@ -20,8 +20,7 @@ def imported_packages(path: Path) -> set[str]:
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             names |= {f"{node.module}.{alias.name}" for alias in node.names}
-    packages = {name.split(".")[1] for name in names if name.startswith("r3gw.")}
-    return packages - {"_C"}  # the compiled extension: every package holds its own kernels
+    return {name.split(".")[1] for name in names if name.startswith("r3gw.")}
 
 
 @pytest.mark.parametrize("package", LEVEL)

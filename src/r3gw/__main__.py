@@ -10,7 +10,7 @@ from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
 from r3gw.files.extras import missing_extra
 from r3gw.files.processes import end_with_owner
-from r3gw.native.code import EXTENSION, MISSING, require_current_extension
+from r3gw.native.code import require_current_extension
 
 
 def main() -> None:
@@ -38,8 +38,6 @@ def _ended_by() -> str | None:
     except MemoryError:
         return "there is not enough memory; close other programs or use smaller pictures"
     except ModuleNotFoundError as error:
-        if error.name == EXTENSION:
-            return MISSING
         if (missing := missing_extra(error)) is error:
             raise
         return str(missing)

@@ -43,6 +43,8 @@ def test_writes_records_lights_and_pictures(tiny, done):
         ("c_swept", "full-yaw"),
         ("b_exact", "nerf-osr-linear"),
         ("c_swept", "nerf-osr-linear"),
+        ("b_exact", "half-image"),
+        ("c_swept", "half-image"),
         ("a_0", "learned"),
         ("a_1", "learned"),
     }

@@ -66,7 +66,7 @@ def test_the_linear_protocol_finds_angle_and_exposure(tiny, exposure):
 
 def test_oracles_say_so():
     oracles = {p.name for p in PROTOCOLS if p.is_oracle}
-    assert oracles == {"nerf-osr", "full-yaw", "nerf-osr-linear"}
+    assert oracles == {"nerf-osr", "full-yaw", "nerf-osr-linear", "half-image"}
 
 
 def test_exact_light_is_in_the_photos_own_units(tiny):
@@ -104,6 +104,7 @@ def test_which_views_are_covered(tiny):
         "full-yaw": ["b_exact", "c_swept"],
         "nerf-osr-linear": ["b_exact", "c_swept"],
         "exact": ["b_exact"],
+        "half-image": ["b_exact", "c_swept"],
         "learned": ["a_0", "a_1"],
     }
 

@@ -122,8 +122,8 @@ def test_a_command_counts_its_own_function_and_no_other(package, before):
 def test_every_command_names_its_modules(package):
     code = StageCode(package)
     assert "r3gw.training.run" in code.modules("train")
-    assert "r3gw._C" in code.modules("train")
-    assert "r3gw._C" not in code.modules("import")
+    assert "r3gw.native.extension" in code.modules("train")
+    assert "r3gw.native.extension" not in code.modules("import")
     assert "r3gw.pipeline.doctor.source" in code.modules("doctor-sources")
 
 

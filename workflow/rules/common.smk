@@ -24,7 +24,10 @@ try:
 except InputError as error:
     raise WorkflowError(str(error))
 
-DEFAULTS = f"{workflow.basedir}/config"
+# The folder config/ that came with this workflow, wherever it is included from. A workflow that is
+# used straight from its hosting site has it in the working folder, where snakedeploy puts it.
+BESIDE = workflow.current_basedir.join("../../config").get_path_or_uri(secret_free=True)
+DEFAULTS = os.path.normpath(BESIDE) if os.path.isdir(BESIDE) else "config"
 TRAIN_FILE, VARIANTS_FILE = f"{DEFAULTS}/train.yaml", f"{DEFAULTS}/variants.yaml"
 PUBLISHED = f"{DEFAULTS}/published.csv"
 SCENES = sorted(CONFIG.scenes)

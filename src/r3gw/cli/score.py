@@ -9,12 +9,23 @@ from r3gw.cli.group import FILE, FOLDER, cli
 
 
 @cli.command()
-@click.option("--renders", type=FOLDER, required=True, help="Pictures to score (PNG, JPEG).")
-@click.option("--truth", type=FOLDER, required=True, help="Photos with the same file stems.")
-@click.option("--masks", type=FOLDER, help="Masks with the same stems, white = counts.")
+@click.option(
+    "--renders",
+    type=FOLDER,
+    required=True,
+    help="Pictures to score (PNG, JPEG), or what 3DGS, gsplat, nerfstudio or LumiGauss wrote.",
+)
+@click.option(
+    "--truth",
+    type=FOLDER,
+    help="Photos of the same names; needed unless the program wrote them beside its renders.",
+)
+@click.option("--masks", type=FOLDER, help="Masks of the same names, white = counts.")
 @click.option("--output", type=FILE, help="CSV with one row per picture.")
-def score(renders: Path, truth: Path, masks: Path | None, output: Path | None) -> None:
+def score(renders: Path, truth: Path | None, masks: Path | None, output: Path | None) -> None:
     """Score any method's pictures as this project scores its own.
+
+    Renders that are only numbered go with photos and masks in the order of those names.
 
     Masks are resized to the picture, thresholded and eroded by 5x5. The figure to compare is
     "masked"; "zero-filled" and "pooled" are what some papers print instead.

@@ -16,8 +16,8 @@ from jaxtyping import Bool, Float
 from tqdm import tqdm
 
 from r3gw.evaluation.metrics import METRICS, Scores, evaluation_mask, psnr_of_mse, score
+from r3gw.evaluation.rendered import Picture, find_rendered, paired, pictures_by_name
 from r3gw.files import InputError
-from r3gw.imaging.files import LDR_SUFFIXES, read_rgb
 from r3gw.imaging.masks import read_mask
 
 
@@ -31,12 +31,12 @@ class Scored:
     num_pixels: int
 
 
-def score_folders(renders: Path, truth: Path, masks: Path | None) -> list[Scored]:
-    """Score every picture of ``renders`` against the photo of the same stem in ``truth``.
+def score_folders(renders: Path, truth: Path | None, masks: Path | None) -> list[Scored]:
+    """Score every picture of ``renders`` against its photo.
 
     Args:
-        renders: Pictures (.png, .jpg, .jpeg).
-        truth: Photos; may hold more than is scored.
+        renders: Pictures, or a program's output that holds them (`r3gw.evaluation.rendered`).
+        truth: Photos, which may be more than are scored. None takes those that the program wrote.
         masks: Pictures, white = counts, one per render; resized and eroded as the protocol
             says. None counts whole pictures.
 
@@ -44,34 +44,24 @@ def score_folders(renders: Path, truth: Path, masks: Path | None) -> list[Scored
         InputError: If there is no render, or a photo or a mask is missing, of another size than
             its render, or empty.
     """
-    pictures = pictures_by_stem(renders)
-    photos = pictures_by_stem(truth)
-    given = None if masks is None else pictures_by_stem(masks)
+    found = find_rendered(renders)
+    photos, photos_folder = found.photos, renders
+    if truth is not None:
+        photos, photos_folder = pictures_by_name(truth), truth
+    if photos is None:
+        raise InputError(
+            f"{renders}: holds no photos beside the renders; name their folder by --truth"
+        )
+    photos = paired(found.renders, photos, photos_folder, "photo")
+    given = {}
+    if masks is not None:
+        given = paired(found.renders, pictures_by_name(masks), masks, "mask")
     return [
-        _score_picture(path, _partner(photos, path, truth), given, masks)
-        for path in tqdm(pictures.values(), desc="scoring", unit="picture", leave=False)
+        _score_picture(name, picture, photos[name], given.get(name))
+        for name, picture in tqdm(
+            found.renders.items(), desc="scoring", unit="picture", leave=False
+        )
     ]
-
-
-def pictures_by_stem(folder: Path) -> dict[str, Path]:
-    """The pictures of a folder, in order of their names.
-
-    Raises:
-        InputError: If the folder holds none, or two of the same stem.
-    """
-    if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder; name one that holds pictures")
-    found: dict[str, Path] = {}
-    for path in sorted(folder.iterdir()):
-        if path.suffix.lower() in LDR_SUFFIXES:
-            if path.stem in found:
-                raise InputError(
-                    f"{folder}: holds both {found[path.stem].name} and {path.name}; keep one"
-                )
-            found[path.stem] = path
-    if not found:
-        raise InputError(f"{folder}: holds no picture ({', '.join(LDR_SUFFIXES)})")
-    return found
 
 
 def mean_scores(each: list[Scores]) -> Scores:
@@ -89,22 +79,20 @@ def pooled_scores(scored: list[Scored]) -> Scores:
     return Scores(psnr_of_mse(pooled("mse")), pooled("ssim"), pooled("mse"), pooled("mae"))
 
 
-def _score_picture(
-    path: Path, photo_path: Path, masks: dict[str, Path] | None, folder: Path | None
-) -> Scored:
-    picture, photo = read_rgb(path) / 255.0, read_rgb(photo_path) / 255.0
+def _score_picture(name: str, render: Picture, photo: Picture, mask: Picture | None) -> Scored:
+    picture, target = render.read() / 255.0, photo.read() / 255.0
     height, width = picture.shape[:2]
-    if photo.shape != picture.shape:
+    if target.shape != picture.shape:
         raise InputError(
-            f"{path}: is {width}x{height} px, but {photo_path} is "
-            f"{photo.shape[1]}x{photo.shape[0]} px; render at the photo's size"
+            f"{render.path}: is {width}x{height} px, but {photo.path} is "
+            f"{target.shape[1]}x{target.shape[0]} px; render at the photo's size"
         )
     is_scored = np.ones((height, width), np.bool_)
-    if masks is not None and folder is not None:
-        is_scored = evaluation_mask(read_mask(_partner(masks, path, folder)), width, height)
-    masked = score(picture, photo, is_scored, path.stem)
-    zero_filled = _zero_filled(picture, photo, is_scored, path.stem)
-    return Scored(path.stem, masked, zero_filled, int(is_scored.sum()))
+    if mask is not None:
+        is_scored = evaluation_mask(read_mask(mask.path), width, height)
+    masked = score(picture, target, is_scored, name)
+    zero_filled = _zero_filled(picture, target, is_scored, name)
+    return Scored(name, masked, zero_filled, int(is_scored.sum()))
 
 
 def _zero_filled(
@@ -115,9 +103,3 @@ def _zero_filled(
 ) -> Scores:
     kept = is_scored[..., None]
     return score(picture * kept, photo * kept, np.ones_like(is_scored), name)
-
-
-def _partner(found: dict[str, Path], render: Path, folder: Path) -> Path:
-    if render.stem not in found:
-        raise InputError(f"{folder}: holds no picture named {render.stem}, as {render} needs")
-    return found[render.stem]

@@ -90,17 +90,19 @@ def _protocol_records(evaluated: EvaluatedScene, folder: Path, scene: str) -> li
     pictured = {view.name for view in evenly(evaluated.scene.split("train"), NUM_LEARNED_PICTURES)}
     records = []
     for view in tqdm(evaluated.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
-        outcome = None
+        outcomes = []
         for protocol in PROTOCOLS:
-            if not protocol.covers(view):
+            outcome = protocol.evaluate(evaluated, view) if protocol.covers(view) else None
+            if outcome is None:
                 continue
-            outcome = protocol.evaluate(evaluated, view)
+            outcomes.append((protocol.rank, outcome))
             records.append(_record(protocol, view, scene, outcome))
             if view.split == "test" or view.name in pictured:
                 path = folder / protocol.name / f"{view.name}.png"
                 write_image(path, bytes_from_display(outcome.picture))
-        if outcome is not None and (view.split == "test" or view.name in pictured):
-            _write_parts(evaluated, view, outcome, folder)
+        if outcomes and (view.split == "test" or view.name in pictured):
+            _, shown = min(outcomes, key=lambda ranked: ranked[0])
+            _write_parts(evaluated, view, shown, folder)
     return records
 
 

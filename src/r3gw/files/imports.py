@@ -33,8 +33,7 @@ class Imports:
         """All modules that ``names`` import, directly or not, themselves included.
 
         Args:
-            names: Full names; those that are no source of this package stay in the result if they
-                bear its name, as a compiled extension does, and are left out otherwise.
+            names: Full names; those that do not begin with this package's name are left out.
         """
         found: set[str] = set()
         pending = list(names)
@@ -62,15 +61,8 @@ class Imports:
             yield source
             for alias in statement.names:
                 name = f"{source}.{alias.name}"
-                if self.path(name) is not None or self._is_extension(name):
+                if self.path(name) is not None:
                     yield name
-
-    def _is_extension(self, name: str) -> bool:
-        first, *rest = name.split(".")
-        if first != self.package.name or not rest:
-            return False
-        base = self.package.joinpath(*rest)
-        return base.parent.is_dir() and any(base.parent.glob(f"{base.name}.*.so"))
 
     def _read(self, module: str) -> tuple[str, ...]:
         path = self.path(module)

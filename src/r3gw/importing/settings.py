@@ -36,6 +36,21 @@ class NerfOsrScene(Strict):
     evaluated_views: list[str] = Field(default_factory=list)
 
 
+HoldOut = Annotated[int, Field(ge=2)] | Annotated[list[str], Field(min_length=1)] | None
+
+
+class UnsplitScene(Strict):
+    """A format that need not say which photos are for training.
+
+    Attributes:
+        hold_out: Which photos are scored instead: one of every so many, or names (their paths,
+            with or without folders and suffix). None takes all for training, or the source's own
+            split.
+    """
+
+    hold_out: HoldOut = None
+
+
 class _PosedScene(Strict):
     """Photos with known cameras, in a world of any scale and, maybe, any tilt."""
 
@@ -56,19 +71,19 @@ class NerfOsrOriginalScene(_PosedScene):
     format: Literal["nerf-osr-original"]
 
 
-class ColmapScene(_PosedScene):
+class ColmapScene(_PosedScene, UnsplitScene):
     """A COLMAP folder: photos and a sparse model."""
 
     format: Literal["colmap"]
 
 
-class NerfstudioScene(_PosedScene):
+class NerfstudioScene(_PosedScene, UnsplitScene):
     """A nerfstudio folder: photos and transforms.json."""
 
     format: Literal["nerfstudio"]
 
 
-class PhotosScene(Strict):
+class PhotosScene(UnsplitScene):
     """A folder of anybody's photos, or a video."""
 
     format: Literal["photos"]
@@ -77,6 +92,7 @@ class PhotosScene(Strict):
     extent: float | None = Field(10.0, gt=0)
     matching: Literal["exhaustive", "sequential", "retrieval", "spatial"] | None = None
     video_frames: int = Field(100, ge=3)
+    hold_out: HoldOut = 8
 
 
 SceneSettings = Annotated[

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from r3gw.importing.completeness import require_complete
 from r3gw.importing.formats import reader_of
 from r3gw.importing.gauge import scene_from_source, upright_rotation
+from r3gw.importing.hold_out import with_held_out
 from r3gw.importing.precision import require_single_precision
 from r3gw.importing.reader import Effort
 from r3gw.importing.report import write_report
@@ -45,7 +46,8 @@ def import_scene(
     target.mkdir(parents=True, exist_ok=True)
     clear_scene(target)
     with tempfile.TemporaryDirectory(prefix=".import-", dir=target) as folder:
-        found = reader_of(settings, source).read(Effort(Path(folder), num_threads, seed))
+        read = reader_of(settings, source).read(Effort(Path(folder), num_threads, seed))
+        found = with_held_out(read, settings, source)
         similarity = scene_from_source(found.points, _rotation(found), settings.extent)
         require_single_precision(found, similarity, source)
         write_report(found, settings.format, target)

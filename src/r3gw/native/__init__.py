@@ -1,1 +1,1 @@
-"""The compiled extension ``r3gw._C``: typed operators, when they act, what kernels share."""
+"""The compiled extension: which one a machine loads, typed operators, what kernels share."""

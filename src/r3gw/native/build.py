@@ -1,4 +1,4 @@
-"""What the compiled extension was built from: the digest that its build writes into it.
+"""What the compiled extensions were built from: the digest that their build writes into them.
 
 `setup.py` runs this file before r3gw can be imported, so it needs the standard library alone.
 """
@@ -8,7 +8,6 @@ import mmap
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 _SUFFIXES = {".cpp", ".h"}
@@ -46,12 +45,6 @@ def mark(built: BuiltFrom) -> str:
     """C++ source of the mark that `built_from` finds again in the compiled file."""
     text = f"r3gw built from {built.sources} with {built.flags}"
     return f'extern "C" __attribute__((used)) const char r3gw_built_from[] = "{text}";\n'
-
-
-def extension_file(package: Path) -> Path | None:
-    """The compiled extension of this Python in a package; None if it was not built."""
-    files = (package / f"_C{suffix}" for suffix in EXTENSION_SUFFIXES)
-    return next((path for path in files if path.is_file()), None)
 
 
 def built_from(extension: Path) -> BuiltFrom | None:

@@ -7,12 +7,12 @@ from pathlib import Path
 import r3gw
 from r3gw.files import InputError
 from r3gw.files.imports import Imports
-from r3gw.native.build import built_from, extension_file, kernel_sources, sources_digest
+from r3gw.native.build import built_from, kernel_sources, sources_digest
+from r3gw.native.levels import BUILD, MISSING, built_extensions
 
-EXTENSION = "r3gw._C"
+# The module whose import loads the kernels.
+EXTENSION = "r3gw.native.extension"
 PACKAGE = Path(r3gw.__file__).parent
-_REMEDY = "build it again: `make`, or `python setup.py build_ext --inplace` in the checkout"
-MISSING = f"the compiled extension r3gw._C is missing; {_REMEDY}"
 _NO_DATA = {".py", ".pyc", ".pyi", ".typed", ".so", ".cpp", ".h"}
 
 
@@ -46,19 +46,23 @@ def code_digest(modules: Iterable[str], imports: Imports) -> str:
 def extension_digest(package: Path = PACKAGE) -> str:
     """Digest of the sources and flags that the compiled extension was built from.
 
+    The extensions of a wheel have one digest, so a results folder that moves to a machine of
+    another level is not made again.
+
     Raises:
         InputError: If it is missing, or was built from other sources than those beside it.
     """
-    extension = extension_file(package)
-    if extension is None:
+    extensions = built_extensions(package)
+    if not extensions:
         raise InputError(f"{package}: {MISSING}")
+    extension = extensions[0].path
     built = built_from(extension)
     if built is None:
-        raise InputError(f"{extension}: does not say which sources it was built from; {_REMEDY}")
+        raise InputError(f"{extension}: does not say which sources it was built from; {BUILD}")
     if kernel_sources(package) and built.sources != sources_digest(package):
         raise InputError(
             f"{extension}: was built from other sources than those beside it, so results would be "
-            f"those of old kernels; {_REMEDY}"
+            f"those of old kernels; {BUILD}"
         )
     return f"{built.sources}-{built.flags}"
 
@@ -69,7 +73,7 @@ def require_current_extension(package: Path = PACKAGE) -> None:
     Raises:
         InputError: If the extension was built from other sources than those beside it.
     """
-    if extension_file(package) is not None:
+    if built_extensions(package):
         extension_digest(package)
 
 

@@ -13,7 +13,7 @@ from functools import cache
 import torch
 from torch import Tensor
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
+import r3gw.native.extension  # noqa: F401  Registers torch.ops.r3gw.
 
 # torch's dispatch keys of device types whose key is not the type in capitals.
 _KEYS = {"meta": "Meta", "privateuseone": "PrivateUse1"}

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-import r3gw._C  # noqa: F401  Registers torch.ops.r3gw.
+import r3gw.native.extension  # noqa: F401  Registers torch.ops.r3gw.
 
 _ops: Any = torch.ops.r3gw
 

@@ -18,6 +18,7 @@ from r3gw.model.initial import load_initial
 from r3gw.model.model_file import save_model
 from r3gw.native import ops
 from r3gw.native.code import PACKAGE, code_digest
+from r3gw.native.extension import LEVEL
 from r3gw.scene import load_scene
 from r3gw.training.checkpoint import INTERVAL_S, Checkpoints
 from r3gw.training.loop import train
@@ -141,6 +142,7 @@ def _record(
         "depends_on": dict(parts),
         "code_version": code_version(),
         "machine": machine(),
+        "kernels": LEVEL,
         "num_threads": num_threads,
         "num_foreground": len(state.model.foreground),
         "num_sky": len(state.model.sky.rows),

@@ -66,5 +66,5 @@ class ViewProtocol(ABC):
         return view.split == self.split and has_all
 
     @abstractmethod
-    def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
-        """Render and score a view that it covers."""
+    def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome | None:
+        """Render and score a view that it covers; None if the photo's masks leave nothing to."""

@@ -6,6 +6,7 @@ titles, pictures and studies follow from what it says of itself.
 
 from r3gw.evaluation.protocols.base import ViewProtocol
 from r3gw.evaluation.protocols.exact import Exact
+from r3gw.evaluation.protocols.half_image import HalfImage
 from r3gw.evaluation.protocols.learned import Learned
 from r3gw.evaluation.protocols.swept import FullYaw, NerfOsr, NerfOsrLinear
 
@@ -15,5 +16,6 @@ PROTOCOLS: tuple[ViewProtocol, ...] = (
     FullYaw(),
     NerfOsrLinear(),
     Exact(),
+    HalfImage(),
     Learned(),
 )

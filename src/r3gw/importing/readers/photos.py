@@ -49,7 +49,7 @@ class PhotosReader(Reader[PhotosScene]):
         return {"photos": str(len(photos))} | ({"left out": notes[0]} if notes else {})
 
     def read(self, effort: Effort) -> SourceScene:
-        """The upright photos that registered, in COLMAP's own frame, all for training."""
+        """The upright photos that registered, in COLMAP's own frame."""
         is_video = self.source.is_file()
         folder = self.source
         if is_video:

@@ -155,12 +155,16 @@ def describe_up(scene: Scene, findings: Findings) -> None:
 
 
 def describe_lighting(scene: Scene, folder: Path, findings: Findings) -> None:
-    """Environment maps and evaluation masks of the test views."""
+    """Environment maps and evaluation masks of the test views, or that there are none."""
     test = scene.split("test")
     if not test:
         findings.facts["environment maps"] = "no test views; the evaluation shows training views"
         return
     lit = [view for view in test if view.evaluation is not None]
+    if not lit:
+        held_out = listed([view.name for view in test])
+        findings.facts["environment maps"] = f"none; half-image scores what is held out: {held_out}"
+        return
     found = 0
     for view in lit:
         if findings.attempt(partial(_usable, view, folder)):
