@@ -13,14 +13,15 @@ class InitSettings(Strict):
     Attributes:
         opacity: Of every Gaussian.
         roughness: Of every surface.
-        albedo: Of every surface, in all channels.
+        albedo: Of every surface, in all channels; "photos" takes it from the training photos
+            (r3gw.training.first_values).
         light_radiance: Of the first, even light; "photos" takes it from the training photos
-            (r3gw.training.shown_light).
+            (r3gw.training.first_values).
     """
 
     opacity: float = Field(gt=0, lt=1)
     roughness: float = Field(gt=0, lt=1)
-    albedo: float = Field(gt=0, lt=1)
+    albedo: Annotated[float, Field(gt=0, lt=1)] | Literal["photos"]
     light_radiance: Annotated[float, Field(gt=0)] | Literal["photos"]
 
 

@@ -21,11 +21,11 @@ from r3gw.native.code import PACKAGE, code_digest
 from r3gw.native.extension import LEVEL
 from r3gw.scene import load_scene
 from r3gw.training.checkpoint import INTERVAL_S, Checkpoints
+from r3gw.training.first_values import with_first_values
 from r3gw.training.loop import train
 from r3gw.training.photos import load_photos
 from r3gw.training.run_digest import run_digest, run_parts
 from r3gw.training.settings import TrainSettings, load_train_settings
-from r3gw.training.shown_light import with_shown_light
 from r3gw.training.snapshots import Snapshots
 from r3gw.training.start import initial_model
 from r3gw.training.state import TrainingState
@@ -89,7 +89,7 @@ def run_training(
     imported = load_scene(files.scene)
     photos = load_photos(imported, files.scene, files.masks)
     asked = load_train_settings(files.settings)
-    settings = with_shown_light(asked, photos)
+    settings = with_first_values(asked, photos)
     initial = load_initial(files.initial)
     names = tuple(photo.name for photo in photos)
     sessions = tuple(view.session or view.name for view in imported.split("train"))

@@ -9,12 +9,12 @@ from torch import Tensor
 from r3gw.lighting import sh
 from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.free import FreeLight
+from r3gw.training.first_values import first_radiance
 from r3gw.training.lights.base import LightTraining, NamedLoss
 from r3gw.training.losses.choice import FORMS
 from r3gw.training.losses.lighting import random_directions
 from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
-from r3gw.training.shown_light import first_radiance
 
 
 def first_free(settings: TrainSettings) -> FreeLight:

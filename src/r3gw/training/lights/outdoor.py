@@ -12,11 +12,11 @@ from torch import Tensor
 from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.base import OpenSky
 from r3gw.model.light_models.outdoor import OutdoorLight
+from r3gw.training.first_values import first_radiance
 from r3gw.training.lights.base import LightTraining, NamedLoss, Seen
 from r3gw.training.losses.lighting import visible_sky_loss
 from r3gw.training.photos import Photo
 from r3gw.training.settings import OutdoorSettings, TrainSettings
-from r3gw.training.shown_light import first_radiance
 from r3gw.training.visible_sky import first_sky
 
 

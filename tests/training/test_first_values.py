@@ -1,4 +1,4 @@
-"""The first light's brightness from photos whose brightness is known."""
+"""The first light and albedo from photos whose brightness is known."""
 
 import pytest
 import torch
@@ -6,9 +6,15 @@ from support.settings import train_settings
 
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
+from r3gw.training.first_values import (
+    ALBEDO_RANGE,
+    UNSEEN_SKY,
+    shown_albedo,
+    shown_radiance,
+    with_first_values,
+)
 from r3gw.training.lights.free import first_free
 from r3gw.training.photos import Photo
-from r3gw.training.shown_light import UNSEEN_SKY, shown_radiance, with_shown_light
 
 CAMERA = Camera(torch.eye(4, dtype=torch.float64), (30.0, 30.0, 16.0, 12.0), 32, 24)
 PHOTOS = train_settings(init={"light_radiance": "photos"})
@@ -55,11 +61,26 @@ def test_without_any_sky_it_is_taken_as_usual_and_without_foreground_refused():
 
 def test_only_settings_that_ask_for_it_change():
     given = train_settings(init={"light_radiance": 0.8})
-    assert with_shown_light(given, [photo(204, 102)]) is given
-    shown = with_shown_light(PHOTOS, [photo(204, 102)])
+    assert with_first_values(given, [photo(204, 102)]) == given
+    shown = with_first_values(PHOTOS, [photo(204, 102)])
     assert shown.init.light_radiance == pytest.approx(0.6, abs=1e-4)
     expected = given.model_copy(update={"init": shown.init})
     assert shown == expected
+
+
+def test_surfaces_look_as_bright_as_the_photos_under_the_first_light():
+    """The display curve is a power of 2.2."""
+    expected = (188 / 255) ** 2.2 / 0.8
+    assert shown_albedo([photo(204, 188)], 0.8) == pytest.approx(expected, abs=1e-4)
+    dark, white = photo(204, 5), photo(204, 255)
+    assert (shown_albedo([dark], 0.8), shown_albedo([white], 0.8)) == ALBEDO_RANGE
+
+
+def test_albedo_follows_the_light_that_the_photos_show():
+    asked = train_settings(init={"light_radiance": "photos", "albedo": "photos"})
+    init = with_first_values(asked, [photo(204, 102)]).init
+    assert init.light_radiance == pytest.approx(0.6, abs=1e-4)
+    assert init.albedo * init.light_radiance == pytest.approx(0.4**2.2, abs=1e-4)
 
 
 def test_a_model_is_not_built_from_a_light_that_is_not_settled():
