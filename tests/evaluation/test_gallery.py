@@ -5,20 +5,25 @@ import json
 import numpy as np
 import pytest
 import torch
+from support.tiny import opacities
 
 from r3gw.evaluation.gallery import light_picture, write_gallery
 from r3gw.geometry.cameras import pixel_rays
 from r3gw.imaging.files import read_rgb
 from r3gw.lighting import sh
 from r3gw.model.lights import photo_light
-from r3gw.rendering.compose import render
+from r3gw.relight.gaussians import relightable_of
+from r3gw.relight.uncovered import other_sky_seen, own_sky_behind
+from r3gw.relight.witnesses import Witnesses
 
 
 @torch.no_grad()
-def uncovered(tiny, view: str) -> np.ndarray:
-    """Share of each pixel that no Gaussian covers, ``[H, W, 1]``: black in training's pictures."""
-    light = photo_light(tiny.model, "a_0").sh
-    return 1 - render(tiny.model, tiny.view(view).camera, light, None).alpha[..., None].numpy()
+def layers(tiny, view: str) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    """Opacities of foreground and sky in a view, and what photos saw as dark: ``[H, W, 1]``."""
+    camera = tiny.view(view).camera
+    photos = [tiny.view(name).camera for name in ("a_0", "a_1")]
+    dark = Witnesses(relightable_of(tiny.model), photos).darkness(camera)
+    return *opacities(tiny.model, camera), dark
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +39,9 @@ def test_unturned_true_map_gives_the_photo(tiny, gallery):
     assert shown["views"] == ["b_exact", "c_swept"]
     assert shown["yaws_deg"] == list(range(0, 360, 15))
     photo = read_rgb(tiny.folder / "images" / "b_exact.png")
-    expected = photo + 255 * uncovered(tiny, "b_exact")  # the sky is white
+    foreground, sky, dark = layers(tiny, "b_exact")
+    # The sky is white, in the photo in place of the sky's Gaussians alone.
+    expected = photo + 255 * (other_sky_seen(foreground, sky, dark) - sky).numpy()
     assert shown["map"] == "true map of b"  # its sun makes it the most directional
     picture = read_rgb(gallery / "map" / "b_exact_000.png")
     np.testing.assert_allclose(picture, expected, rtol=0, atol=1.1)
@@ -54,7 +61,8 @@ def test_learned_lights_come_from_one_photo_per_session(tiny, gallery):
     light = photo_light(tiny.model, "a_0")
     looks = torch.nn.functional.normalize(pixel_rays(view.camera), dim=-1)  # it is not turned
     behind = (sh.radiance(light.sky_coefficients, looks) + 0.5).clamp(0.0, 1.0).numpy()
-    expected = tiny.evaluated.render(view, light) + uncovered(tiny, "c_swept") * behind
+    weight = own_sky_behind(*layers(tiny, "c_swept")).numpy()
+    expected = tiny.evaluated.render(view, light) + weight * behind
     picture = read_rgb(gallery / "learned" / "c_swept_0.png")
     np.testing.assert_allclose(picture, 255 * expected, rtol=0, atol=0.52)
 

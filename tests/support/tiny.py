@@ -10,13 +10,16 @@ import torch
 
 from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.files import write_json
+from r3gw.geometry.cameras import Camera
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import write_exr, write_image
 from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
 from r3gw.model.initial import initial_points
+from r3gw.model.lights import photo_light
 from r3gw.model.model import SceneModel
 from r3gw.model.model_file import save_model
+from r3gw.rendering.channels import Layers
 from r3gw.rendering.compose import render
 from r3gw.scene import EvaluationEntry, GroundTruth, Scene, View, load_scene, save_scene
 from r3gw.scene.scene import Gauge
@@ -54,6 +57,15 @@ class Tiny:
     def view(self, name: str) -> View:
         """A view by name."""
         return next(v for v in load_scene(self.folder).views if v.name == name)
+
+
+@torch.no_grad()
+def opacities(model: SceneModel, camera: Camera) -> tuple[torch.Tensor, torch.Tensor]:
+    """What foreground and sky cover of each pixel by the training's renderer, ``[H, W, 1]``."""
+    light = photo_light(model, "a_0")
+    drawn = render(model, camera, light.sh, light.sky_coefficients, Layers.OPACITY)
+    foreground = drawn.foreground_opacity
+    return foreground[..., None], (drawn.alpha - foreground)[..., None]
 
 
 @pytest.fixture(scope="session")

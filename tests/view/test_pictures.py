@@ -19,6 +19,7 @@ from r3gw.relight.lights import LightOptions, MapSource, PhotoSource, SunSource,
 from r3gw.relight.picture import frame
 from r3gw.relight.sweep import Sweep
 from r3gw.relight.tone import CURVES
+from r3gw.relight.witnesses import Witnesses
 from r3gw.scene import load_scene
 from r3gw.view.page import page_html
 from r3gw.view.payload import payload_of
@@ -109,10 +110,12 @@ def test_five_views_under_every_light(gaussians, scene_folder, html, maps, tmp_p
 
     scene = load_scene(scene_folder)
     views = {view.name: view for view in scene.views}
+    witnesses = Witnesses(gaussians, [view.camera for view in scene.split("train")])
     for kind, (options, tone) in lights.items():
         light = light_over_time(gaussians, options)(0.0)
         for name in VIEWS:
-            expected = frame(gaussians, views[name].camera, light, CURVES[tone]).clamp(0, 1)
+            camera = views[name].camera
+            expected = frame(gaussians, camera, light, CURVES[tone], witnesses).clamp(0, 1)
             assert psnr(pixels(next(found)), expected.numpy()) > LEAST_PSNR, (kind, name)
     assert session.complaints == []
 
@@ -123,10 +126,12 @@ def test_a_mirrored_map_would_be_noticed(gaussians, scene_folder, html, maps, tm
     """The margin of the test above: a map that hangs the wrong way round is far off."""
     session = Session(html, jobs=[drop(maps["exr"]), shot(VIEWS[0], light="map", yaw=70)])
     shown = pixels(session.run(tmp_path)[-1])
-    camera = load_scene(scene_folder).views[0].camera
+    scene = load_scene(scene_folder)
+    camera = scene.views[0].camera
+    witnesses = Witnesses(gaussians, [view.camera for view in scene.split("train")])
     exact = Light.from_map(maps["exr"])
     for wrong in (exact.turned(-70.0), exact.turned(250.0), exact):
-        picture = frame(gaussians, camera, wrong, CURVES["standard"]).clamp(0, 1)
+        picture = frame(gaussians, camera, wrong, CURVES["standard"], witnesses).clamp(0, 1)
         assert psnr(shown, picture.numpy()) < 30
 
 
@@ -146,5 +151,7 @@ def test_a_scene_of_degree_two_without_reflections(scene_folder, gaussians, tmp_
     session.jobs = [shot(VIEWS[3], light="learned", photo=PHOTOS[0])]
     shown = pixels(session.run(tmp_path)[0])
     light = plain.lights[PHOTOS[0]]
-    expected = frame(plain, scene.views[3].camera, light, CURVES["standard"]).clamp(0, 1)
+    camera = scene.views[3].camera
+    witnesses = Witnesses(plain, [view.camera for view in scene.split("train")])
+    expected = frame(plain, camera, light, CURVES["standard"], witnesses).clamp(0, 1)
     assert psnr(shown, expected.numpy()) > LEAST_PSNR

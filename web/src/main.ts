@@ -8,13 +8,15 @@ import type { Payload } from "./payload";
 import { makeSplats } from "./splats";
 import { Stage } from "./stage";
 import { makeUniforms } from "./uniforms";
+import { Witnesses } from "./witnesses";
 
 async function start(): Promise<void> {
   const payload = await jsonBlob<Payload>("payload");
   const uniforms = makeUniforms(payload);
   const splats = await makeSplats(payload, uniforms);
   const canvas = document.querySelector<HTMLCanvasElement>("#canvas")!;
-  const stage = new Stage(canvas, splats, uniforms, payload.constants);
+  const witnesses = await Witnesses.of(payload, uniforms);
+  const stage = new Stage(canvas, splats, uniforms, payload.constants, witnesses);
   await stage.prepare();
   const app = new App(payload, stage, new Lights(payload, uniforms), canvas);
   connect(app);

@@ -17,6 +17,13 @@ export interface Constants {
   maxAlpha: number;
   minAlpha: number;
   frustumMargin: number;
+  /** Of r3gw.relight.uncovered and r3gw.relight.witnesses. */
+  faint: number;
+  gapsFrom: number;
+  skyFrom: number;
+  smallestShare: number;
+  mostNear: number;
+  smallestWeight: number;
   shNorms: number[];
   yawCosines: number[][][];
   yawSines: number[][][];
@@ -59,6 +66,18 @@ export interface Coverage {
   seenBy: number[][];
 }
 
+/** Photos that know which uncovered places are dark; their maps are the blob ``dark``. */
+export interface WitnessRecords {
+  /** Indices of `Payload.photos`, one per layer of the blob. */
+  photos: number[];
+  /** How far each speaks, world units. */
+  reaches: number[];
+  /** Centre and radius of the sky's dome, world units. */
+  dome: number[] | null;
+  /** Pixels of a map's side. */
+  size: number;
+}
+
 export interface Payload {
   title: string;
   numForeground: number;
@@ -81,6 +100,7 @@ export interface Payload {
   /** Depths that the depth picture spans, world units. */
   depthRange: [number, number];
   coverage: Coverage | null;
+  witnesses: WitnessRecords;
   licences: string;
   facts: string[];
   /** State in which the page opens, over its own beginning (r3gw.view.start). */

@@ -3,7 +3,7 @@
 import type { Constants } from "./payload";
 
 /** A number that GLSL reads as a float. */
-const float = (value: number) => {
+export const float = (value: number) => {
   const text = String(value);
   return /[.e]/.test(text) ? text : `${text}.0`;
 };

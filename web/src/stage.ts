@@ -1,18 +1,16 @@
-// Canvas, sky and Spark: draws a frame when something changed.
+// Canvas, sky and Spark: draws a frame when something changed. Spark draws the Gaussians into two
+// pictures, colour and opacity, and the sky's share of the opacity; a last pass puts what they leave
+// uncovered behind them (uncovered.ts).
 
 import { SparkRenderer, type SplatGenerator } from "@sparkjsdev/spark";
 import * as THREE from "three";
 
 import type { Constants } from "./payload";
-import { skySource } from "./shading";
+import { composeSource } from "./uncovered";
 import type { Uniforms } from "./uniforms";
+import type { Witnesses } from "./witnesses";
 
 const LARGEST_RADIUS_PX = 8192;
-
-const SKY_RAY = `
-uniform mat3 uRayFromNdc;
-vec3 skyAt(vec2 ndc) { return skySeen(normalize(uRayFromNdc * vec3(ndc, 1.0))); }
-`;
 
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
@@ -20,6 +18,10 @@ export class Stage {
   readonly spark: SparkRenderer;
   onFrame: (milliseconds: number) => void = () => {};
   private readonly scene = new THREE.Scene();
+  private readonly whole = new THREE.Scene();
+  private readonly drawn = new THREE.WebGLRenderTarget(1, 1, {
+    count: 2, depthBuffer: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter,
+  });
   private isRequested = false;
   private lastDrawn = 0;
 
@@ -28,6 +30,7 @@ export class Stage {
     readonly splats: SplatGenerator,
     private readonly uniforms: Uniforms,
     constants: Constants,
+    private readonly witnesses: Witnesses,
   ) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, alpha: true });
     this.renderer.setClearColor(0x000000, 0);
@@ -50,9 +53,9 @@ export class Stage {
       transparent: true,
       depthTest: false,
     });
-    this.spark.renderOrder = 1;
     adapt(this.spark.material, constants);
-    this.scene.add(this.spark, splats, skyQuad(uniforms, constants));
+    this.scene.add(this.spark, splats);
+    this.whole.add(composer(this.drawn, uniforms, constants));
   }
 
   /** Compile all shaders aside, where the browser can, so that the first picture holds nothing up. */
@@ -66,15 +69,18 @@ export class Stage {
     const target = new THREE.WebGLRenderTarget(1, 1); // programs depend on what is drawn to
     this.renderer.setRenderTarget(target);
     await this.renderer.compileAsync(scene, this.camera);
-    this.renderer.setRenderTarget(null);
     stand.geometry.dispose();
     target.dispose();
+    this.renderer.setRenderTarget(this.drawn);
     await this.renderer.compileAsync(this.scene, this.camera);
+    this.renderer.setRenderTarget(null);
+    await this.renderer.compileAsync(this.whole, this.camera);
   }
 
   /** Pixels of the canvas' drawing buffer. */
   setSize(width: number, height: number): void {
     this.renderer.setDrawingBufferSize(width, height, 1);
+    this.drawn.setSize(width, height);
     this.request();
   }
 
@@ -104,7 +110,11 @@ export class Stage {
       1 / p[0], 0, p[8] / p[0], 0, 1 / p[5], p[9] / p[5], 0, 0, -1,
     );
     this.uniforms.uRayFromNdc.value.copy(rotation.multiply(ray));
+    this.witnesses.aim(camera.position);
+    this.renderer.setRenderTarget(this.drawn);
     this.renderer.render(this.scene, camera);
+    this.renderer.setRenderTarget(null);
+    this.renderer.render(this.whole, camera);
     const now = performance.now();
     this.onFrame(now - this.lastDrawn);
     this.lastDrawn = now;
@@ -127,14 +137,17 @@ export class Stage {
   }
 }
 
-/** A triangle over the whole picture that shows the sky behind everything. */
-function skyQuad(uniforms: Uniforms, constants: Constants): THREE.Mesh {
+/** A triangle over the whole picture that puts the sky behind what was drawn. */
+function composer(
+  drawn: THREE.WebGLRenderTarget, uniforms: Uniforms, constants: Constants,
+): THREE.Mesh {
   const geometry = new THREE.BufferGeometry();
   const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]);
   geometry.setAttribute("position", new THREE.BufferAttribute(corners, 3));
+  const [all, sky] = drawn.textures;
   const material = new THREE.ShaderMaterial({
     glslVersion: THREE.GLSL3,
-    uniforms,
+    uniforms: { ...uniforms, uDrawn: { value: all }, uSkyDrawn: { value: sky } },
     depthTest: false,
     depthWrite: false,
     transparent: true,
@@ -142,20 +155,14 @@ function skyQuad(uniforms: Uniforms, constants: Constants): THREE.Mesh {
     vertexShader: `
       out vec2 vNdc;
       void main() { vNdc = position.xy; gl_Position = vec4(position.xy, 0.0, 1.0); }`,
-    fragmentShader: `
-      precision highp float;
-      in vec2 vNdc;
-      out vec4 fragColor;
-      ${skySource(constants)}${SKY_RAY}
-      void main() { fragColor = uSky == 3 ? vec4(0.0) : vec4(skyAt(vNdc), 1.0); }`,
+    fragmentShader: composeSource(constants),
   });
   const quad = new THREE.Mesh(geometry, material);
   quad.frustumCulled = false;
-  quad.renderOrder = 0;
   return quad;
 }
 
-/** Where r3gw's rasterizer differs from Spark's shaders: four small changes to their text. */
+/** Where r3gw's rasterizer differs from Spark's shaders: small changes to their text. */
 function adapt(material: THREE.ShaderMaterial, c: Constants): void {
   // The Jacobian of the projection is held near the frustum, as r3gw.raster does.
   const reach = (1 + 2 * c.frustumMargin).toFixed(6);
@@ -175,18 +182,30 @@ function adapt(material: THREE.ShaderMaterial, c: Constants): void {
     `adjustedStdDev = min(maxStdDev, sqrt(2.0 * log(rgba.a / minAlpha)));
     vRgba = rgba;`,
   );
-  const declared = `uniform int uNumForeground;\nuniform bool uSkyPerPixel;\n`;
-  const sky = `${declared}${skySource(c)}${SKY_RAY}\nvoid main() {`;
-  let fragment = replaced(material.fragmentShader, "void main() {", sky);
-  // No Gaussian is quite opaque, and the sky's show a map or a plain sky pixel by pixel.
+  let fragment = replaced(
+    material.fragmentShader,
+    "out vec4 fragColor;",
+    `layout(location = 0) out vec4 fragColor;
+layout(location = 1) out vec4 fragSky;
+uniform int uNumForeground;
+uniform bool uSkyPerPixel;`,
+  );
+  // No Gaussian is quite opaque. The sky's have no colour where a map or a plain sky is seen in their
+  // place; values are those of the display already, whatever Spark takes the target for.
   fragment = replaced(
     fragment,
     "if (encodeLinear) {",
     `rgba.a = min(rgba.a, ${c.maxAlpha});
-    if (uSkyPerPixel && int(vSplatIndex) >= uNumForeground) rgba.rgb = skyAt(vNdc.xy);
-    if (encodeLinear) {`,
+    bool isSky = int(vSplatIndex) >= uNumForeground;
+    if (isSky && uSkyPerPixel) rgba.rgb = vec3(0.0);
+    if (false) {`,
   );
-  material.fragmentShader = fragment;
+  material.fragmentShader = replaced(
+    fragment,
+    "fragColor = vec4(rgba.rgb * rgba.a, rgba.a);",
+    `fragColor = vec4(rgba.rgb * rgba.a, rgba.a);
+    fragSky = vec4(isSky ? rgba.a : 0.0, 0.0, 0.0, rgba.a);`,
+  );
 }
 
 function replaced(text: string, part: string, by: string): string {

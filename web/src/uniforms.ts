@@ -9,6 +9,7 @@ const vectors = (count: number) => Array.from({ length: count }, () => new THREE
 
 /** What a frame changes; textures of the scene are added by splats.ts. */
 export function makeUniforms(payload: Payload) {
+  const several = <T>(make: () => T) => Array.from({ length: payload.constants.mostNear }, make);
   return {
     uTone: { value: 0 },
     uSky: { value: 0 },
@@ -30,6 +31,13 @@ export function makeUniforms(payload: Payload) {
     uTransferScale: { value: payload.transferScale },
     uSkyPerPixel: { value: true },
     uRayFromNdc: { value: new THREE.Matrix3() },
+    uDome: { value: new THREE.Vector4() },
+    uNearCount: { value: 0 },
+    uNearPose: { value: several(() => new THREE.Matrix4()) },
+    uNearLens: { value: several(() => new THREE.Vector4()) },
+    uNearWeight: { value: several(() => 0) },
+    uNearLayer: { value: several(() => 0) },
+    uDarkMaps: { value: null as THREE.Texture | null },
   };
 }
 

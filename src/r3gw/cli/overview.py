@@ -3,6 +3,9 @@
 import click
 
 EXAMPLES = {
+    "Make a scene of photos": {
+        "photos": "photos holiday/montmartre --target montmartre",
+    },
     "See and use a trained scene": {
         "relight": "relight --model M --scene S --view A --sun 45 150 --output noon.png",
         "view": "view results/mine/full/seed0",

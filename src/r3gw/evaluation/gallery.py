@@ -26,6 +26,7 @@ from r3gw.model.lights import learned_lights, learned_strength
 from r3gw.relight.gaussians import Relightable, relightable_of
 from r3gw.relight.picture import frame
 from r3gw.relight.tone import standard
+from r3gw.relight.witnesses import Witnesses
 from r3gw.scene import View
 from r3gw.scene.selection import evenly
 
@@ -42,6 +43,7 @@ def write_gallery(evaluated: EvaluatedScene, folder: Path) -> None:
     """Render two views under a turning map and under learned lights; relit.json is last."""
     views = evenly(evaluated.scene.split("test") or evaluated.scene.split("train"), NUM_VIEWS)
     gaussians = relightable_of(evaluated.model)
+    witnesses = Witnesses(gaussians, [view.camera for view in evaluated.scene.split("train")])
     name, light, env_map = _map_source(evaluated)
     yaws_deg = [round(360 * i / NUM_YAWS) for i in range(NUM_YAWS)]
     for yaw_deg in yaws_deg:
@@ -50,7 +52,9 @@ def write_gallery(evaluated: EvaluatedScene, folder: Path) -> None:
         write_image(folder / "map" / f"light_{yaw_deg:03d}.png", thumbnail)
         for view in views:
             path = folder / "map" / f"{view.name}_{yaw_deg:03d}.png"
-            write_image(path, relit_picture(gaussians, view, light.turned(float(yaw_deg))))
+            write_image(
+                path, relit_picture(gaussians, view, light.turned(float(yaw_deg)), witnesses)
+            )
     photos = _photos_of_sessions(evaluated.scene.split("train"))
     for number, photo in enumerate(photos):
         learned = gaussians.light_of(photo)
@@ -58,7 +62,7 @@ def write_gallery(evaluated: EvaluatedScene, folder: Path) -> None:
         write_image(folder / "learned" / f"light_{number}.png", drawn)
         for view in views:
             path = folder / "learned" / f"{view.name}_{number}.png"
-            write_image(path, relit_picture(gaussians, view, learned))
+            write_image(path, relit_picture(gaussians, view, learned, witnesses))
     names = [view.name for view in views]
     write_json(
         folder / "relit.json",
@@ -66,9 +70,11 @@ def write_gallery(evaluated: EvaluatedScene, folder: Path) -> None:
     )
 
 
-def relit_picture(gaussians: Relightable, view: View, light: Light) -> NDArray[np.uint8]:
+def relit_picture(
+    gaussians: Relightable, view: View, light: Light, witnesses: Witnesses
+) -> NDArray[np.uint8]:
     """A view under a light as `python -m r3gw relight` shows it."""
-    return bytes_from_display(frame(gaussians, view.camera, light, standard))
+    return bytes_from_display(frame(gaussians, view.camera, light, standard, witnesses))
 
 
 def light_picture(env_map: Float[Tensor, "h w 3"]) -> NDArray[np.uint8]:

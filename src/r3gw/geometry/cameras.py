@@ -92,3 +92,9 @@ def pixel_rays(camera: Camera) -> Float[Tensor, "h w 3"]:
     y = (torch.arange(camera.height, dtype=torch.float32) + 0.5 - cy) / fy
     down, right = torch.meshgrid(y, x, indexing="ij")
     return torch.stack([right, down, torch.ones_like(right)], dim=-1)
+
+
+def pixel_directions(camera: Camera) -> Float[Tensor, "h w 3"]:
+    """Unit world directions that the pixel centres look in, float32."""
+    rays = pixel_rays(camera) @ camera.cam_from_world[:3, :3].float()
+    return torch.nn.functional.normalize(rays, dim=-1)

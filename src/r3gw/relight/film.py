@@ -14,6 +14,7 @@ from r3gw.relight.load import load_relightable
 from r3gw.relight.outputs import output_for
 from r3gw.relight.picture import frame
 from r3gw.relight.tone import CURVES, linear_from_scene, scene_linear
+from r3gw.relight.witnesses import Witnesses
 from r3gw.scene import load_scene
 
 
@@ -59,6 +60,7 @@ def relight(
     times = [i / max(film.frames - 1, 1) for i in range(film.frames)]
     placed = cameras_over_time(scene, cameras, gaussians.middle, times)
     light_at = light_over_time(gaussians, light)
+    witnesses = Witnesses(gaussians, [view.camera for view in scene.split("train")])
     sinks = [output_for(path, film.frames, film.fps) for path in outputs]
     curve = CURVES[film.tone]
     steps = tqdm(
@@ -74,7 +76,8 @@ def relight(
         for camera, time in steps:
             shown, pictures = light_at(time), {}
             for is_linear in {sink.is_linear for sink in sinks}:
-                picture = frame(gaussians, camera, shown, scene_linear if is_linear else curve)
+                tone = scene_linear if is_linear else curve
+                picture = frame(gaussians, camera, shown, tone, witnesses)
                 pictures[is_linear] = linear_from_scene(picture) if is_linear else picture
             for sink in sinks:
                 sink.write(pictures[sink.is_linear])

@@ -22,6 +22,7 @@ from r3gw.model.attributes import (
 from r3gw.model.lights import learned_lights
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION
+from r3gw.relight.dome import Dome, dome_through
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,11 @@ class Relightable:
     def middle(self) -> Float[Tensor, "3"]:
         """Median of the foreground's positions: where its surfaces are."""
         return self.means[: self.num_foreground].median(dim=0).values
+
+    @cached_property
+    def dome(self) -> Dome | None:
+        """The sphere on which the sky's Gaussians hang; None without such a sphere."""
+        return dome_through(self.means[self.num_foreground :])
 
     def light_of(self, photo: str) -> Light:
         """The light that was learned for a photo, with its sky.

@@ -1,20 +1,22 @@
 """One frame: shade, rasterize four channels, put the sky behind.
 
-The fourth channel is the opacity of what has a colour of its own. A learned sky colours the sky's
-Gaussians, as in training. A white sky or an environment map is seen per pixel instead: there the
-sky's Gaussians only hide what is behind them, and the pixel's own background shows through them.
+The fourth channel is the foreground's opacity. A learned sky colours the sky's Gaussians, as in
+training. A white sky or an environment map is seen per pixel instead, in place of the sky's
+Gaussians. What neither set covers is sky or black (`r3gw.relight.uncovered`).
 """
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from r3gw.geometry.cameras import Camera, pixel_rays
+from r3gw.geometry.cameras import Camera, pixel_directions
 from r3gw.lighting.light import Light
 from r3gw.lighting.skies import LearnedSky
 from r3gw.raster import rasterize
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.tone import Curve
+from r3gw.relight.uncovered import other_sky_seen, own_sky_behind
+from r3gw.relight.witnesses import Witnesses
 from r3gw.rendering.shading import shade_foreground
 
 
@@ -56,26 +58,35 @@ def seen_sky(
     return curve(light.sky.radiance(directions))
 
 
-def pixel_directions(camera: Camera) -> Float[Tensor, "h w 3"]:
-    """Unit world directions that a camera's pixels look in, float32."""
-    rays = pixel_rays(camera) @ camera.cam_from_world[:3, :3].float()
-    return torch.nn.functional.normalize(rays, dim=-1)
-
-
 @torch.no_grad()
 def frame(
-    gaussians: Relightable, camera: Camera, light: Light, curve: Curve
+    gaussians: Relightable,
+    camera: Camera,
+    light: Light,
+    curve: Curve,
+    witnesses: Witnesses | None = None,
 ) -> Float[Tensor, "h w 3"]:
-    """One picture, in the values of the tone curve; what nothing covers shows the sky."""
-    colours = foreground_values(gaussians, camera.centre, light, curve)
-    if isinstance(light.sky, LearnedSky):
-        sky = sky_values(gaussians, camera.centre, light, curve)
-        features = torch.nn.functional.pad(torch.cat([colours, sky]), (0, 1), value=1.0)
-    else:
-        features = torch.zeros(len(gaussians.means), 4)
-        features[: gaussians.num_foreground, :3] = colours
-        features[: gaussians.num_foreground, 3] = 1.0
-    image = rasterize(
+    """One picture, in the values of the tone curve.
+
+    Args:
+        gaussians: The trained scene.
+        camera: Where from.
+        light: What lights the scene, and the sky that is seen.
+        curve: From linear values to those of the picture.
+        witnesses: The training photos, which know some uncovered places to be dark; None if their
+            cameras are unknown.
+    """
+    has_own_sky = isinstance(light.sky, LearnedSky)
+    features = torch.zeros(len(gaussians.means), 4)
+    features[: gaussians.num_foreground, :3] = foreground_values(
+        gaussians, camera.centre, light, curve
+    )
+    features[: gaussians.num_foreground, 3] = 1.0
+    if has_own_sky:
+        features[gaussians.num_foreground :, :3] = sky_values(
+            gaussians, camera.centre, light, curve
+        )
+    drawn = rasterize(
         gaussians.means,
         gaussians.quaternions,
         gaussians.scales,
@@ -85,6 +96,10 @@ def frame(
         camera.intrinsics,
         camera.width,
         camera.height,
-    ).features
+    )
+    foreground = drawn.features[..., 3:]
+    sky = (drawn.alpha[..., None] - foreground).clamp_min(0.0)
+    dark = torch.zeros_like(sky) if witnesses is None else witnesses.darkness(camera)
+    weight = own_sky_behind if has_own_sky else other_sky_seen
     behind = seen_sky(light, pixel_directions(camera), curve)
-    return image[..., :3] + (1.0 - image[..., 3:]) * behind
+    return drawn.features[..., :3] + weight(foreground, sky, dark) * behind

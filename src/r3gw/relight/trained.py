@@ -18,6 +18,7 @@ from r3gw.relight.lights import learned_strength
 from r3gw.relight.load import load_relightable, model_in, scene_beside
 from r3gw.relight.picture import frame
 from r3gw.relight.tone import CURVES, linear_from_scene, scene_linear
+from r3gw.relight.witnesses import Witnesses
 from r3gw.scene import Scene, load_scene
 
 Tone = Literal["standard", "reinhard", "filmic", "linear"]
@@ -48,6 +49,12 @@ class TrainedScene:
         """The photos' cameras by the photos' names; empty without an imported scene."""
         views = () if self.scene is None else self.scene.views
         return {view.name: view.camera for view in views}
+
+    @cached_property
+    def witnesses(self) -> Witnesses:
+        """The photos that the scene was trained on; none without an imported scene."""
+        views = () if self.scene is None else self.scene.split("train")
+        return Witnesses(self.gaussians, [view.camera for view in views])
 
     @property
     def lights(self) -> Mapping[str, Light]:
@@ -86,7 +93,7 @@ class TrainedScene:
         if sky != "own":
             light = light.with_sky(sky.sky if isinstance(sky, Light) else None)
         curve = scene_linear if tone == "linear" else CURVES[tone]
-        picture = frame(self.gaussians, camera, light, curve)
+        picture = frame(self.gaussians, camera, light, curve, self.witnesses)
         shown = linear_from_scene(picture) if tone == "linear" else picture.clamp(0.0, 1.0)
         return np.asarray(shown.numpy(), np.float32)
 

@@ -12,6 +12,7 @@ from r3gw.lighting import sh
 from r3gw.lighting.irradiance import COSINE_BANDS, DARKEST_IRRADIANCE
 from r3gw.lighting.sh_rotation import rotate
 from r3gw.raster.reference import FRUSTUM_MARGIN, LOW_PASS_PX2, MAX_ALPHA, MIN_ALPHA, NEAR_PLANE
+from r3gw.relight import uncovered, witnesses
 from r3gw.relight.tone import REINHARD_WHITE
 from r3gw.rendering.brdf_table import SMALLEST_COSINE, brdf_table
 from r3gw.rendering.cook_torrance import DARKEST_SPECULAR, DIELECTRIC_F0
@@ -36,6 +37,12 @@ def constants() -> dict[str, Any]:
         "maxAlpha": MAX_ALPHA,
         "minAlpha": MIN_ALPHA,
         "frustumMargin": FRUSTUM_MARGIN,
+        "faint": uncovered.FAINT,
+        "gapsFrom": uncovered.GAPS_FROM,
+        "skyFrom": uncovered.SKY_FROM,
+        "smallestShare": uncovered.SMALLEST_SHARE,
+        "mostNear": witnesses.MOST_NEAR,
+        "smallestWeight": witnesses.SMALLEST_WEIGHT,
         "shNorms": sh_norms(),
         "yawCosines": [m.tolist() for m in yaw_harmonics()[0]],
         "yawSines": [m.tolist() for m in yaw_harmonics()[1]],

@@ -22,6 +22,7 @@ from r3gw.view.constants import constants, split_sum_table
 from r3gw.view.coverage import coverage
 from r3gw.view.daylight import BUNDLE, daylight_tables
 from r3gw.view.photos import photo_record
+from r3gw.view.witnesses import witness_records
 
 LICENCES = ("LICENCES.txt", "HOSEK_WILKIE.txt")
 DEPTH_QUANTILES = (0.02, 0.98)
@@ -89,6 +90,9 @@ def payload_of(
     }
     if buffers.transfer is not None:
         blobs["transfer"] = buffers.transfer.tobytes()
+    witnesses, dark = witness_records(gaussians, cameras)
+    if dark:
+        blobs["dark"] = dark
     facts = {
         "title": options.title or scene.name,
         "numForeground": shown.num_foreground,
@@ -110,6 +114,7 @@ def payload_of(
         "focus": focus(cameras or [views[0].camera], middle).tolist(),
         "depthRange": _depth_range(shown, cameras),
         "coverage": coverage(shown, cameras),
+        "witnesses": witnesses,
         "facts": list(options.facts),
         "start": dict(options.start),
         "licences": "\n\n".join((BUNDLE / name).read_text() for name in LICENCES),
