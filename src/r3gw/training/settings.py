@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import Field
 
 from r3gw.files.strict import Strict, read_yaml, validated
-from r3gw.model.description import LARGEST_LAYER
+from r3gw.model.limits import LARGEST_LAYER
 from r3gw.model.settings import InitSettings, OcclusionSettings, SkySettings
 
 # How losses are computed: by kernels, or in plain torch (r3gw.training.losses.forms).
