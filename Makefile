@@ -40,7 +40,7 @@ test: .venv/installed-test lint
 test-quick: .venv/installed-test
 	$(PYTEST) -m "not slow"
 
-ROUNDS ?= 2
+ROUNDS ?= 1
 kill-test: .venv/installed
 	$(BIN)/python benchmarks/kill_test.py --rounds $(ROUNDS)
 
