@@ -66,7 +66,8 @@ class WeightSettings(Strict):
     sky_depth: float = Field(ge=0)
     sky_depth_gamma: float = Field(gt=0)
     light_directions: int = Field(ge=1)
-    light_domain: str = Field(pattern="^(hemisphere|sphere)$")
+    light_domain: Literal["hemisphere", "sphere"]
+    light_average: Literal["all", "negative"]
 
 
 class DensitySettings(Strict):
@@ -107,6 +108,20 @@ class OutdoorSettings(Strict):
     sky_gradient: float = Field(ge=0)
 
 
+class UnseenSettings(Strict):
+    """Bounds on Gaussians that no photo sees well (r3gw.training.unseen); not in the paper.
+
+    Attributes:
+        enabled: Whether they act.
+        nearest: Least distance from a camera, as a share of the median over Gaussians.
+        widest: Largest scale, as a share of the distance to the nearest camera.
+    """
+
+    enabled: bool
+    nearest: float = Field(ge=0, lt=1)
+    widest: float = Field(gt=0)
+
+
 class TrainSettings(Strict):
     """Everything that changes the result of one training."""
 
@@ -125,6 +140,7 @@ class TrainSettings(Strict):
     silhouette: SilhouetteSettings
     occlusion: OcclusionSettings
     outdoor: OutdoorSettings
+    unseen: UnseenSettings
 
 
 def load_train_settings(path: Path) -> TrainSettings:
