@@ -77,7 +77,7 @@ def _run(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
     ) as bar:
         while state.iteration < iterations:
-            row = _step(state, photos, schedule, extent, watched)
+            row = step(state, photos, schedule, extent, watched)
             if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
@@ -86,7 +86,7 @@ def _run(
     require_finite_parameters(state)
 
 
-def _step(
+def step(
     state: TrainingState,
     photos: list[Photo],
     schedule: Schedule,
