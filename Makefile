@@ -4,7 +4,8 @@
 # make wheel     a source distribution and a wheel that runs on any such machine, in dist/
 # make site      the documentation as a site, in build/site
 # make schemas   workflow/schemas from the settings' types
-# make kill-test   kills runs of a small workflow at random, and compares what comes out in the end
+# make kill-test   kills every stage of a small workflow, and compares what comes out in the end
+# make cluster-test  the workflow on a Slurm of two nodes, started for it (as root, with Debian's Slurm)
 # make test-quick  the tests that are not marked slow: for every edit, about a minute
 PYTHON ?= python3.11
 CORES ?= 2
@@ -12,7 +13,8 @@ BIN := .venv/bin
 SOURCES := pyproject.toml constraints.txt setup.py src/r3gw/native/build.py src/r3gw/native/levels.py \
 	$(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
-.PHONY: all ablations test test-quick kill-test fuzz lint levels wheel site schemas sanitize constraints clean
+.PHONY: all ablations test test-quick kill-test cluster-test fuzz lint levels wheel site schemas \
+	sanitize constraints clean
 
 all: .venv/installed
 	$(BIN)/snakemake --cores $(CORES) all
@@ -28,9 +30,12 @@ test: .venv/installed-test lint
 test-quick: .venv/installed-test
 	$(PYTEST) -m "not slow"
 
-KILLS ?= 20
+ROUNDS ?= 2
 kill-test: .venv/installed
-	$(BIN)/python benchmarks/kill_test.py --kills $(KILLS)
+	$(BIN)/python benchmarks/kill_test.py --rounds $(ROUNDS)
+
+cluster-test: .venv/installed-test
+	$(BIN)/python -m pytest tests/cluster
 
 lint: .venv/installed-test
 	$(BIN)/ruff check .
@@ -91,7 +96,7 @@ wheel: .venv/installed
 PIP := $(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt
 .venv/installed: .venv/bin/python $(SOURCES)
 	$(PIP) torch setuptools ninja numpy
-	$(PIP) --no-build-isolation --editable '.[pipeline,benchmark,view]'
+	$(PIP) --no-build-isolation --editable '.[pipeline,benchmark,view,cluster]'
 	touch $@
 
 LIST_EXTRA := import sys, tomllib; \

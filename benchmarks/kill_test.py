@@ -1,13 +1,13 @@
-"""Kill runs of the workflow at random moments; in the end the results have the bytes of a calm run.
+"""Kill runs of the workflow in every stage; in the end the results have the bytes of a calm run.
 
-    python benchmarks/kill_test.py --kills 20
+    python benchmarks/kill_test.py --rounds 2
 
-A small configuration with `full` and `r3gw_plus` runs once undisturbed. Then the same command is
-started again and again in a second folder, and killed (SIGKILL) after a random time: the whole
-process group, Snakemake alone, or one stage. When a run gets to its end, every file is compared
-with the calm run's, but for what was measured, and the folder is emptied. What ran when the kill
-came is counted by stage. Exit status 1 if any file differs, any run fails or any stage outlives its
-run.
+A small configuration with `full` and `r3gw_plus` runs once undisturbed, which tells the stages and
+how much processor time each takes. In every round each stage is killed once, each training three
+times: the same command is started, the chosen stage waited for, and SIGKILL sent at a random moment
+of its work to the whole process group, to that stage alone, or to Snakemake alone. At the end of a
+round the command runs to its end, and every file is compared with the calm run's, but for what was
+measured. Exit status 1 if any file differs, any run fails or any stage outlives its run.
 """
 
 import argparse
@@ -22,13 +22,17 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 
 import yaml
 
 REPOSITORY = Path(__file__).parents[1]
 MEASURED = {"timing.json", "cost.json", "cost.csv"}
-TARGETS = ("results/table1.csv", "results/figures/tiny_views.png")
+COST = re.compile(rb"<h2[^>]*>Cost.*?(?=<h2)", re.DOTALL)  # that section of report.html
+TARGETS = ("all",)
+TRAINING_KILLS = 3  # of each training, in every round
+LOOK_EVERY_S = 0.05
 CONFIG = {
     "scenes": {
         "tiny": {
@@ -81,7 +85,7 @@ def prepare(folder: Path) -> Path:
 
 
 def stages(folder: Path) -> dict[int, str]:
-    """The stages that run in a folder, by process id."""
+    """The stages that run in a folder, by process id; a training with its variant."""
     found = {}
     for path in Path("/proc").glob("[0-9]*"):
         try:
@@ -90,25 +94,61 @@ def stages(folder: Path) -> dict[int, str]:
         except OSError:
             continue
         if where == folder and line[1:3] == [b"-m", b"r3gw"]:
-            found[int(path.name)] = line[3].decode()
+            words = [word.decode() for word in line[3:]]
+            variant = f" {words[words.index('--variant') + 1]}" if words[0] == "train" else ""
+            found[int(path.name)] = words[0] + variant
     return found
 
 
-def kill_something(run: subprocess.Popen[bytes], folder: Path, draw: random.Random) -> str:
-    """Kill the group, Snakemake alone or one stage; returns which and what ran."""
-    running = stages(folder)
-    which = draw.choice(["group", "snakemake", "stage"] if running else ["group", "snakemake"])
-    if which == "group":
-        os.killpg(run.pid, signal.SIGKILL)
-    elif which == "snakemake":
-        run.kill()
-    else:
-        try:
-            os.kill(draw.choice(sorted(running)), signal.SIGKILL)
-        except ProcessLookupError:
-            which = "stage (just ended)"
-    names = " and ".join(sorted(set(running.values()))) or "snakemake itself"
-    return f"{which} during {names}"
+def processor_s(pid: int) -> float | None:
+    """Seconds of processor time that a process has had; None if it is gone."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return None
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def watch(run: subprocess.Popen[bytes], folder: Path) -> dict[str, float]:
+    """Wait for a calm run; returns processor seconds of each stage, in the order of their ends."""
+    names: dict[int, str] = {}
+    used: dict[int, float] = {}
+    ended: dict[str, float] = {}
+    while run.poll() is None:
+        names |= stages(folder)
+        for pid in list(names):
+            if (now := processor_s(pid)) is None:
+                ended.setdefault(names.pop(pid), used.pop(pid))
+            else:
+                used[pid] = now
+        time.sleep(LOOK_EVERY_S)
+    return ended
+
+
+def wait_for(stage: str, run: subprocess.Popen[bytes], folder: Path) -> int | None:
+    """Process id of a stage as soon as it runs; None if the run ended before."""
+    while run.poll() is None:
+        for pid, name in stages(folder).items():
+            if name == stage:
+                return pid
+        time.sleep(LOOK_EVERY_S)
+    return None
+
+
+def kill(which: str, pid: int, after_s: float, run: subprocess.Popen[bytes]) -> bool:
+    """Kill when a stage has used so many processor seconds; False if it ended before."""
+    while (now := processor_s(pid)) is not None and now < after_s:
+        time.sleep(0.01)
+    try:
+        if which == "stage":
+            os.kill(pid, signal.SIGKILL)
+        elif which == "snakemake":
+            run.kill()
+        else:
+            os.killpg(run.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        return False
+    return now is not None
 
 
 def outlived(folder: Path, seconds: float = 60.0) -> dict[int, str]:
@@ -123,7 +163,7 @@ def digests(folder: Path) -> dict[str, str]:
     """SHA-256 of every result that is not measured; hidden files are none."""
     results = folder / "results"
     return {
-        str(path.relative_to(results)): hashlib.sha256(path.read_bytes()).hexdigest()
+        str(path.relative_to(results)): hashlib.sha256(COST.sub(b"", path.read_bytes())).hexdigest()
         for path in sorted(results.rglob("*"))
         if path.is_file()
         and path.name not in MEASURED
@@ -131,66 +171,86 @@ def digests(folder: Path) -> dict[str, str]:
     }
 
 
+class Round:
+    """Kills in one folder after another, until every stage has had its kills."""
+
+    def __init__(self, base: Path, processor_s: Mapping[str, float], expected: Mapping[str, str]):
+        """Begin in an empty folder; ``processor_s`` and ``expected`` are the calm run's."""
+        self.base, self.processor_s, self.expected = base, processor_s, expected
+        self.kills: list[tuple[str, str]] = []
+        self.faults = self.number = 0
+        self.folder = prepare(base / "disturbed0")
+
+    def kill(self, stage: str, which: str, draw: random.Random) -> None:
+        """Kill once in a stage; a run that ends without having met it is compared and left."""
+        while True:
+            run = start(self.folder)
+            pid = wait_for(stage, run, self.folder)
+            if pid is None:
+                self.compare(run.wait())
+                continue
+            after_s = draw.uniform(0.0, 0.95) * self.processor_s[stage]
+            is_hit = kill(which, pid, after_s, run)
+            if not is_hit and run.poll() is None:
+                os.killpg(run.pid, signal.SIGKILL)
+            run.wait()
+            if left := outlived(self.folder):
+                print("outlived their run:", left, flush=True)
+                self.faults += 1
+            if is_hit:
+                self.kills.append((stage, which))
+                print(f"{len(self.kills)}: {which} in {stage} after {after_s:.2f} s", flush=True)
+                return
+
+    def compare(self, status: int) -> None:
+        """Compare what a run made that came to its end, and go on in an empty folder."""
+        if status != 0:
+            log = (self.folder / "run.log").read_text()
+            print(f"a run that nobody killed failed ({status}):", log, flush=True)
+            self.faults += 1
+        found, expected = digests(self.folder), self.expected
+        different = sorted(n for n in {*found, *expected} if found.get(n) != expected.get(n))
+        self.faults += bool(different)
+        print(f"run to the end: {len(different)} of {len(expected)} files differ {different}")
+        shutil.rmtree(self.folder)
+        self.number += 1
+        self.folder = prepare(self.base / f"disturbed{self.number}")
+
+
 def main() -> None:
     """Run the test and print its counts."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--rounds", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--longest-s", type=float, default=40.0, help="Between start and kill.")
     arguments = parser.parse_args()
     draw = random.Random(arguments.seed)
     with tempfile.TemporaryDirectory(prefix="r3gw-kill-") as base:
-        sys.exit(test(Path(base).resolve(), arguments.kills, arguments.longest_s, draw))
+        sys.exit(test(Path(base).resolve(), arguments.rounds, draw))
 
 
-def test(base: Path, wanted: int, longest_s: float, draw: random.Random) -> int:
-    """Kill ``wanted`` times, to the end of the last run; returns the exit status."""
+def test(base: Path, rounds: int, draw: random.Random) -> int:
+    """Kill all stages ``rounds`` times; returns the exit status."""
     copy_checkout(base / "checkout")
     calm = prepare(base / "calm")
-    if (status := start(calm).wait()) != 0:
-        print(f"the calm run failed with status {status}:", (calm / "run.log").read_text())
+    run = start(calm)
+    used = watch(run, calm)
+    if run.returncode != 0:
+        print(f"the calm run failed ({run.returncode}):", (calm / "run.log").read_text())
         return 1
     expected = digests(calm)
-    print(f"calm run: {len(expected)} files", flush=True)
-    kills: Counter[str] = Counter()
-    completed = number = faults = 0
-    folder = prepare(base / f"disturbed{number}")
-    while True:
-        run = start(folder)
-        try:
-            left_s = draw.uniform(1.0, longest_s) if kills.total() < wanted else None
-            status = run.wait(left_s)
-        except subprocess.TimeoutExpired:
-            kill = kill_something(run, folder, draw)
-            kills[kill] += 1
-            if kill.startswith("stage"):
-                run.wait()  # Snakemake ends by itself, with the failure of that job
-            else:
-                run.wait()
-                if left := outlived(folder):
-                    print("outlived their run:", left, flush=True)
-                    faults += 1
-            print(f"{kills.total()}: {kill}", flush=True)
-            continue
-        if status != 0:
-            print(f"a run that nobody killed failed ({status}):", (folder / "run.log").read_text())
-            return 1
-        found = digests(folder)
-        different = sorted(n for n in {*found, *expected} if found.get(n) != expected.get(n))
-        completed += 1
-        faults += bool(different)
-        print(f"completed {completed}: {len(different)} files differ {different}", flush=True)
-        if kills.total() >= wanted:
-            break
-        shutil.rmtree(folder)
-        number += 1
-        folder = prepare(base / f"disturbed{number}")
-    during = Counter(
-        stage for kill, n in kills.items() for stage in re.split(r" and ", kill.split("during ")[1])
-        for _ in range(n)
-    )  # fmt: skip
-    print(f"{kills.total()} kills, {completed} runs completed, {faults} faults")
-    print("killed during:", ", ".join(f"{name} {count}" for name, count in during.most_common()))
+    print(f"calm run: {len(expected)} files, {len(used)} stages", flush=True)
+    disturbed = Round(base, used, expected)
+    for _ in range(rounds):
+        for stage in used:
+            kinds = ["group", "stage", "snakemake"]
+            for which in draw.sample(kinds, TRAINING_KILLS if "train" in stage else 1):
+                disturbed.kill(stage, which, draw)
+        disturbed.compare(start(disturbed.folder).wait())
+    kills, faults = disturbed.kills, disturbed.faults
+    print(f"{len(kills)} kills, {disturbed.number} runs to the end, {faults} faults")
+    for title, names in (("stage", [s for s, _ in kills]), ("kind", [k for _, k in kills])):
+        counts = ", ".join(f"{name} {count}" for name, count in Counter(names).items())
+        print(f"by {title}: {counts}")
     return int(faults > 0)
 
 

@@ -10,7 +10,7 @@ from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
 from r3gw.files.extras import missing_extra
 from r3gw.files.processes import end_with_owner
-from r3gw.native.code import require_current_extension
+from r3gw.native.code import require_current_extension, require_same_code
 
 
 def main() -> None:
@@ -30,6 +30,7 @@ def _ended_by() -> str | None:
     try:
         end_with_owner()
         require_current_extension()
+        require_same_code()
         cli()
     except InputError as error:
         return str(error)

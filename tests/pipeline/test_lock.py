@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from r3gw.files.processes import OWNER, identity, is_alive
+from r3gw.files.processes import OWNER, RECORD, identity, is_alive
 from r3gw.pipeline.lock import claim
 
 CLAIM = "import sys; from pathlib import Path; from r3gw.pipeline.lock import claim; "
@@ -88,6 +88,32 @@ def test_a_process_is_named_for_good():
 
 WATCH = "from r3gw.files.processes import {0}; {0}(); import time; print('up', flush=True); "
 WATCH += "time.sleep(300)"
+
+
+@pytest.mark.slow
+def test_a_stage_on_another_host_ends_when_the_record_of_its_owner_goes(tmp_path):
+    elsewhere, record = "login|its boot|12|345", tmp_path / "login.12"
+    record.write_text(elsewhere)
+    known = os.environ | {OWNER: elsewhere, RECORD: str(record)}
+    unseen = known | {RECORD: str(tmp_path / "not/here")}
+    line = [sys.executable, "-c", WATCH.format("end_with_owner")]
+    stages = [
+        subprocess.Popen(line, stdout=subprocess.PIPE, text=True, env=environment)
+        for environment in (known, unseen)
+    ]
+    for stage in stages:
+        assert stage.stdout is not None
+        assert stage.stdout.readline() == "up\n"
+    with pytest.raises(subprocess.TimeoutExpired):
+        stages[0].wait(2.5)
+    record.write_text("login|its boot|12|678")  # another process of that number
+    assert stages[0].wait(30) == 143
+    assert stages[1].poll() is None
+    stages[1].kill()
+    stages[1].wait()
+    for stage in stages:
+        assert stage.stdout is not None
+        stage.stdout.close()
 
 
 @pytest.mark.slow

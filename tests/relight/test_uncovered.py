@@ -18,7 +18,7 @@ def pixel(value: float) -> torch.Tensor:
         (1.0, 0.0, 0.0, 0.0, 0.0),  # a wall
         (0.7, 0.0, 0.0, 0.0123, 0.0123),  # dark ground with holes: hardly a veil
         (0.0, 0.8, 0.0, 0.2, 1.0),  # thin sky
-        (0.0, 0.8, 1.0, 0.0, 0.9688),  # a cloud of the photo's own: none of another sky
+        (0.0, 0.5, 1.0, 0.0, 0.75),  # a cloud of the photo's own: none of another sky
         (0.0, 0.1, 1.0, 0.0, 0.1),  # leaves that are left out of the sky
         (0.0, 0.1, 0.0, 0.9, 1.0),  # the same from afar
         (0.5, 0.4, 0.0, 0.0462, 0.4462),  # a leaf before the sky

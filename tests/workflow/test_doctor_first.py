@@ -36,7 +36,7 @@ def test_a_training_asks_for_what_the_doctor_predicts(finished):
     (asked,) = re.findall(r"resources: .*mem_mb=(\d+)", done.stdout + done.stderr)
     size = read_size(finished / "results/tiny/checked.json")
     settings = load_train_settings(finished / "results/tiny/full/seed0/settings.json")
-    assert int(asked) == round(1.3 * predicted(settings, size).memory_mb)
+    assert int(asked) == round(300 + 1.3 * predicted(settings, size).memory_mb)
 
 
 def test_broken_source_of_one_scene_starts_no_other(untouched):

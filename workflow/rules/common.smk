@@ -4,20 +4,23 @@ import os
 import re
 import shlex
 import sys
+import time
 from functools import cache
 from pathlib import Path
 from subprocess import CalledProcessError
 
 from r3gw.files import InputError
-from r3gw.files.processes import OWNER
+from r3gw.native.code import CODE, whole_digest
 from r3gw.reporting.figures.kinds import PICTURES, PLOTS
 from r3gw.reporting.methods import recommended
 from r3gw.pipeline.code import StageCode
 from r3gw.pipeline.config import load_config, run_settings
 from r3gw.pipeline.doctor.training import predicted, read_size
 from r3gw.pipeline.lock import claim
+from r3gw.pipeline.slurm import failed_jobs
 from r3gw.pipeline.source_state import source_state
 from snakemake.exceptions import WorkflowError
+from snakemake.settings.types import DeploymentMethod
 
 try:
     CONFIG = load_config(config, "config")
@@ -35,12 +38,15 @@ SYNTHETIC = [
     name for name in SCENES if CONFIG.scenes[name].source.format == "synthetic"
 ]
 # Several scenes render side by side, one process each; a single one has all cores to itself.
-GENERATE_THREADS = max(1, (workflow.cores or 1) // max(1, len(SYNTHETIC)))
+# On a cluster it is one, unless --set-threads says more: a job's cores are not all of its node's.
+CORES = (workflow.is_main_process and workflow.resource_settings.cores) or 1
+GENERATE_THREADS = max(1, CORES // max(1, len(SYNTHETIC)))
 VARIANTS, STUDY = CONFIG.all_variants, CONFIG.study
 PAGE_VARIANT = recommended(CONFIG.variants)
 
-if GIVEN := sorted(set(SCENES) - set(SYNTHETIC)):
-    # Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
+GIVEN = sorted(set(SCENES) - set(SYNTHETIC))
+if GIVEN and workflow.is_main_process:
+    # Not again in each job of a cluster. Here, since it loads PyTorch and pycolmap, which the embedded scenes need not.
     from r3gw.importing.completeness import require_complete
 
     incomplete = []
@@ -69,10 +75,25 @@ if ":" in BIN:
     )
 # Twice quoted: for the shell, and for Snakemake, which takes braces for a format.
 QUOTED_BIN = shlex.quote(BIN).replace("{", "{{").replace("}", "}}")
-shell.prefix(f"set -euo pipefail; export PATH={QUOTED_BIN}:$PATH; ")
+# Whoever is killed cannot say why, but the shell around it can.
+KILLED = (
+    "the command above was killed (SIGKILL). Unless somebody did that, it needed more memory"
+    " than there was"
+)
+INTERPRETER = f"export PATH={QUOTED_BIN}:$PATH"
+if DeploymentMethod.APPTAINER in workflow.deployment_settings.deployment_method:
+    # In the container its own, if its code is that of this checkout; elsewhere as ever.
+    INTERPRETER = (
+        'if [ -n "${{APPTAINER_CONTAINER:-}}${{SINGULARITY_CONTAINER:-}}" ]; then unset PYTHONPATH;'
+        f" export {CODE}={whole_digest()}; else {INTERPRETER}; fi"
+    )
+shell.prefix(
+    f"set -euo pipefail; trap '[ $? != 137 ] || echo \"r3gw: {KILLED}\" >&2' EXIT;"
+    f" {INTERPRETER}; "
+)
 # A lock that a killed run left is taken away, and stages end with the run that started them.
 if workflow.is_main_process:
-    os.environ[OWNER] = claim(Path.cwd())
+    os.environ.update(claim(Path.cwd()))
 # By the environment, because no result depends on it: another interval makes nothing again.
 os.environ.setdefault("R3GW_CHECKPOINT_SECONDS", str(CONFIG.checkpoint_seconds))
 
@@ -133,6 +154,15 @@ def refuse_broken_sources():
         raise WorkflowError(
             "The doctor refuses the sources named above; no job was started."
         )
+
+
+STARTED_S = time.time()
+
+
+def say_what_slurm_ended():
+    """Say why jobs of this run failed on a cluster, those too that another attempt made good."""
+    for sentence in failed_jobs(Path.cwd(), STARTED_S):
+        print(f"r3gw: {sentence}", file=sys.stderr)
 
 
 # Folders of the user's are parameters, not inputs: Snakemake would look for wildcards in their names,
@@ -203,21 +233,22 @@ def settings_json(wildcards):
     return settings.model_dump_json(indent=2)
 
 
-def cost_of(wildcards, input):
+def cost_of(wildcards):
     """What the doctor predicts of one training; unknown until its scene is imported."""
-    Path(input.checked).stat()
-    size = read_size(Path(input.checked))
+    checked = Path(f"results/{wildcards.scene}/checked.json")
+    checked.stat()
+    size = read_size(checked)
     return predicted(RESOLVED[wildcards.variant, int(wildcards.seed)], size)
 
 
-def memory_mb(wildcards, input, attempt):
-    """Memory of one training in MB (10^6 bytes), more of it at another attempt."""
-    return round(cost_of(wildcards, input).memory_mb * (1 + MARGIN * attempt))
+def memory_mb(wildcards, attempt):
+    """Memory of one run's training or evaluation in MB (10^6 bytes), more at another attempt."""
+    return round(SNAKEMAKE_MB + cost_of(wildcards).memory_mb * (1 + MARGIN * attempt))
 
 
-def runtime_min(wildcards, input, attempt):
+def runtime_min(wildcards, attempt):
     """Minutes after which a cluster may end a training."""
-    return 5 + round(attempt * SLOWEST * cost_of(wildcards, input).seconds / 60)
+    return 5 + round(attempt * SLOWEST * cost_of(wildcards).seconds / 60)
 
 
 def sky_json(wildcards):
@@ -278,5 +309,7 @@ def scene_figure(kind):
 
 # A prediction is right within a factor of 1.3; machines differ in speed by more.
 MARGIN, SLOWEST = 0.3, 4.0
+# On a cluster a job is two processes of Snakemake's, too.
+SNAKEMAKE_MB = 300
 
 SCENE_FIGURES = [scene_figure(kind) for kind in (*PICTURES, *PLOTS)]

@@ -8,6 +8,14 @@ onstart:
     refuse_broken_sources()
 
 
+onsuccess:
+    say_what_slurm_ended()
+
+
+onerror:
+    say_what_slurm_ended()
+
+
 rule doctor_scene:
     input:
         scene="results/{scene}/scene/scene.json",

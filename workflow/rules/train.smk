@@ -1,6 +1,11 @@
 # One training: a scene, a variant, a seed.
 
 
+# A line of the shell: on a cluster not worth a job.
+localrules:
+    write_settings,
+
+
 # Settings reach a run as `params` and leave as a file: an edit to one variant re-runs that
 # variant alone, and every result keeps the settings that made it.
 rule write_settings:

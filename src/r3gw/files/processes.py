@@ -8,9 +8,11 @@ import platform
 import subprocess
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 OWNER = "R3GW_OWNER"  # environment: the process that stages shall not outlive
+RECORD = "R3GW_OWNER_RECORD"  # environment: file that is there as long as that process is
 _LOOK_EVERY_S = 1.0
 _OUTLIVED = 143  # as after SIGTERM
 
@@ -32,24 +34,41 @@ def is_alive(named: str) -> bool:
 def end_with_owner() -> None:
     """End this process when the one named in the environment, or its parent, is gone.
 
-    Without that variable nothing happens: a stage that somebody started by hand may outlive the
+    On another host the owner's record tells: it goes when the owner ends, or, if that was killed,
+    when the next run claims the folder. Where no record can be seen nothing tells of the owner.
+    Without the variable nothing happens: a stage that somebody started by hand may outlive the
     terminal.
     """
     owner = os.environ.get(OWNER)
-    if owner is not None and owner.startswith(f"{platform.node()}|{_boot()}|"):
-        _watch(owner)
+    if owner is None:
+        return
+    record = Path(os.environ.get(RECORD, ""))
+    if owner.startswith(f"{platform.node()}|{_boot()}|"):
+        _watch(lambda: is_alive(owner))
+    elif _names(record, owner):
+        _watch(lambda: _names(record, owner))
 
 
 def end_with_parent() -> None:
     """End this process when its parent is gone."""
-    _watch(None)
+    _watch(lambda: True)
 
 
-def _watch(owner: str | None) -> None:
+def _names(record: Path, owner: str) -> bool:
+    """Whether a record is there and names this owner; a file system that stutters is no answer."""
+    try:
+        return record.read_text() == owner
+    except (FileNotFoundError, IsADirectoryError):
+        return False
+    except OSError:
+        return True
+
+
+def _watch(owner_lives: Callable[[], bool]) -> None:
     parent = os.getppid()
 
     def look() -> None:
-        while os.getppid() == parent and (owner is None or is_alive(owner)):
+        while os.getppid() == parent and owner_lives():
             time.sleep(_LOOK_EVERY_S)
         os._exit(_OUTLIVED)
 

@@ -13,8 +13,8 @@ from r3gw.files.strict import Strict
 from r3gw.model.light_models.fixed import FixedDescription
 from r3gw.model.light_models.free import FreeDescription
 from r3gw.model.light_models.outdoor import OutdoorDescription
+from r3gw.model.limits import LARGEST_LAYER
 
-LARGEST_LAYER = 4096  # A file from a stranger must not ask for more memory than this.
 LayerSize = Annotated[int, Field(ge=1, le=LARGEST_LAYER)]
 LightDescription = Annotated[
     FreeDescription | OutdoorDescription | FixedDescription, Field(discriminator="kind")

@@ -1,6 +1,7 @@
 """The digest of the code that a stage can reach: modules, their data files, compiled kernels."""
 
 import hashlib
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from r3gw.native.levels import BUILD, MISSING, built_extensions
 
 # The module whose import loads the kernels.
 EXTENSION = "r3gw.native.extension"
+CODE = "R3GW_CODE"  # environment: `whole_digest` of the r3gw that runs the workflow
 PACKAGE = Path(r3gw.__file__).parent
 _NO_DATA = {".py", ".pyc", ".pyi", ".typed", ".so", ".cpp", ".h"}
 
@@ -65,6 +67,39 @@ def extension_digest(package: Path = PACKAGE) -> str:
             f"those of old kernels; {BUILD}"
         )
     return f"{built.sources}-{built.flags}"
+
+
+def whole_digest(package: Path = PACKAGE) -> str:
+    """Digest of all modules and data files, and of the sources that the kernels were built from.
+
+    The flags of that build do not count: a package in a container is built for other machines.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(package.rglob("*")):
+        inner = path.relative_to(package)
+        if path.is_file() and (path.suffix == ".py" or path.suffix not in _NO_DATA):
+            if {"csrc", "__pycache__"} & {*inner.parts}:
+                continue
+            digest.update(f"{inner.as_posix()}\n".encode())
+            digest.update(hashlib.sha256(path.read_bytes()).digest())
+    for extension in built_extensions(package)[:1]:
+        built = built_from(extension.path)
+        digest.update((built.sources if built else "").encode())
+    return digest.hexdigest()[:16]
+
+
+def require_same_code(package: Path = PACKAGE) -> None:
+    """Refuse to work for a workflow of other code; where none says of which it is, nothing is.
+
+    Raises:
+        InputError: If the environment names another digest than this package has.
+    """
+    expected = os.environ.get(CODE)
+    if expected is not None and expected != whole_digest(package):
+        raise InputError(
+            f"{package}: is not the r3gw of the checkout whose workflow runs, so results would not "
+            "be those of its code; build the container again from that checkout"
+        )
 
 
 def require_current_extension(package: Path = PACKAGE) -> None:

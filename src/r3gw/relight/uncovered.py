@@ -15,7 +15,7 @@ from torch import Tensor
 FAINT = 0.03  # Opacity up to which a pixel counts as hardly covered.
 # Of what is no foreground: covered so far by the sky's Gaussians, a pixel is sky with gaps, and
 # below, it is something dark before the sky.
-GAPS_FROM, SKY_FROM = 0.5, 0.9
+GAPS_FROM, SKY_FROM = 0.3, 0.7
 SMALLEST_SHARE = 1e-6
 
 Plane = Float[Tensor, "h w 1"]

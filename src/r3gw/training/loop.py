@@ -24,6 +24,7 @@ from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
 from r3gw.training.state import TrainingState, first_state
+from r3gw.training.unseen import hold_back_unseen
 from r3gw.training.watched import Watched
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
@@ -114,6 +115,10 @@ def step(
     adam_step(state.optimizer)
     model.sky.clamp_to_dome()
     _change_density(state, schedule, extent)
+    if settings.unseen.enabled and schedule.holds_back_unseen(iteration):
+        centres = [photo.camera.centre for photo in photos]
+        if hold_back_unseen(model, state.optimizer, centres, settings.unseen):
+            state.statistics = GradientStatistics.of(model)
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
         centres = [photo.camera.centre for photo in photos]
         update_occlusion(model.foreground, centres, settings.occlusion)

@@ -54,6 +54,10 @@ class Schedule:
         is_due = iteration % self.densify_interval == 0
         return is_due and self.densify_first <= iteration <= self.densify_last
 
+    def holds_back_unseen(self, iteration: int) -> bool:
+        """Whether unseen Gaussians are held back after this iteration: to the end of the run."""
+        return iteration % self.densify_interval == 0 or iteration == self.iterations
+
     def casts_shadows(self, iteration: int) -> bool:
         """Whether occlusion, where it is modelled, is cast anew after this iteration."""
         since = iteration - self.occlusion_first

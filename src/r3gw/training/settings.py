@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import Field
 
 from r3gw.files.strict import Strict, read_yaml, validated
-from r3gw.model.description import LARGEST_LAYER
+from r3gw.model.limits import LARGEST_LAYER
 from r3gw.model.settings import InitSettings, OcclusionSettings, SkySettings
 
 # How losses are computed: by kernels, or in plain torch (r3gw.training.losses.forms).
@@ -107,6 +107,20 @@ class OutdoorSettings(Strict):
     sky_gradient: float = Field(ge=0)
 
 
+class UnseenSettings(Strict):
+    """Bounds on Gaussians that no photo sees well (r3gw.training.unseen); not in the paper.
+
+    Attributes:
+        enabled: Whether they act.
+        nearest: Least distance from a camera, as a share of the median over Gaussians.
+        widest: Largest scale, as a share of the distance to the nearest camera.
+    """
+
+    enabled: bool
+    nearest: float = Field(ge=0, lt=1)
+    widest: float = Field(gt=0)
+
+
 class TrainSettings(Strict):
     """Everything that changes the result of one training."""
 
@@ -125,6 +139,7 @@ class TrainSettings(Strict):
     silhouette: SilhouetteSettings
     occlusion: OcclusionSettings
     outdoor: OutdoorSettings
+    unseen: UnseenSettings
 
 
 def load_train_settings(path: Path) -> TrainSettings:
