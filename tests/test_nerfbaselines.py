@@ -12,7 +12,8 @@ from r3gw.model.model_file import load_model
 
 SHORT = {
     "iterations": 12,
-    "density.max_gaussians": 400,
+    "density.interval": 80000,  # never
+    "density.reset_interval": None,
     "sky.min_count": 50,
     "sky.max_count": 50,
 }

@@ -15,7 +15,6 @@ from r3gw.evaluation.fitted_light import Target, fitted_light
 from r3gw.files import write_json
 from r3gw.files.strict import read_json, read_yaml, validated
 from r3gw.geometry.cameras import Camera
-from r3gw.geometry.similarity import Similarity
 from r3gw.importing.gauge import scene_from_source, upright_rotation
 from r3gw.importing.source import SourcePoints
 from r3gw.lighting.light import Light
@@ -111,8 +110,8 @@ class R3gwMethod(Method):
             "hparams": self._settings.model_dump(mode="json"),
         }
 
-    def train_iteration(self, step: int) -> dict[str, float]:
-        """Do one iteration; ``step`` counts from 0."""
+    def train_iteration(self, step: int) -> dict[str, float]:  # noqa: ARG002  The interface's.
+        """Do one iteration; which one it is, the state of the training knows."""
         self._model.appearance.train()
         row = do_step(self._state, self._photos, self._schedule, self._extent)
         self._model.appearance.eval()
@@ -147,7 +146,9 @@ class R3gwMethod(Method):
             count = len(self._model.photos)
             embedding = np.mean([self.get_train_embedding(i) for i in range(count)], axis=0)
         light = light_of(embedding)
-        rendering = render(self._model, self._camera(camera.item()), light.sh, light.sky.coefficients)
+        rendering = render(
+            self._model, self._camera(camera.item()), light.sh, light.sky.coefficients
+        )
         return {
             "color": rendering.colour.clamp(0.0, 1.0).numpy(),
             "accumulation": rendering.alpha.numpy(),
