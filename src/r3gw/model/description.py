@@ -28,6 +28,7 @@ class ModelDescription(Strict):
         separate_sky: Whether the sky is a set of Gaussians of its own (Sec. 4.3).
         specular: Whether surfaces reflect (Eq. 7) or are diffuse alone.
         share_session_light: Whether photos of a session share one light, each with an exposure.
+        photo_gains: Whether each photo has an exposure and white balance apart from its light.
         light: The light model and what it must know; its SH degree is the model's.
         embedding_size, hidden_size, light_hidden_size: Widths of the appearance MLP.
     """
@@ -35,6 +36,7 @@ class ModelDescription(Strict):
     separate_sky: bool
     specular: bool
     share_session_light: bool
+    photo_gains: bool = False
     light: LightDescription
     embedding_size: LayerSize
     hidden_size: LayerSize
