@@ -4,10 +4,10 @@ How it was trained is another matter (`r3gw.training.settings`); a model file ke
 which reading it does not need.
 """
 
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_serializer
 
 from r3gw.files.strict import Strict
 from r3gw.model.light_models.fixed import FixedDescription
@@ -41,6 +41,14 @@ class ModelDescription(Strict):
     embedding_size: LayerSize
     hidden_size: LayerSize
     light_hidden_size: LayerSize
+
+    @model_serializer(mode="wrap")
+    def _as_before(self, values_of: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
+        """Without a word of gains where there are none, as files were before there were any."""
+        values = values_of(self)
+        if not self.photo_gains:
+            del values["photo_gains"]
+        return values
 
     @property
     def light_degree(self) -> int:
