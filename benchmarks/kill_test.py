@@ -1,13 +1,14 @@
 """Kill runs of the workflow in every stage; in the end the results have the bytes of a calm run.
 
-    python benchmarks/kill_test.py --rounds 2
+    python benchmarks/kill_test.py --rounds 1
 
 A small configuration with `full` and `r3gw_plus` runs once undisturbed, which tells the stages and
-how much processor time each takes. In every round each stage is killed once, each training three
-times: the same command is started, the chosen stage waited for, and SIGKILL sent at a random moment
-of its work to the whole process group, to that stage alone, or to Snakemake alone. At the end of a
-round the command runs to its end, and every file is compared with the calm run's, but for what was
-measured. Exit status 1 if any file differs, any run fails or any stage outlives its run.
+how much processor time each takes. In every round each stage is killed twice, each training three
+times: the same command is started, and the first stage that it comes to of those still to be killed
+is hit at a random moment of its work. SIGKILL goes to the whole process group, to that stage alone,
+or to Snakemake alone. Whenever the command comes to its end, every file is compared with the calm
+run's, but for what was measured. Exit status 1 if any file differs, any run fails or any stage
+outlives its run.
 """
 
 import argparse
@@ -22,7 +23,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import yaml
@@ -31,7 +32,7 @@ REPOSITORY = Path(__file__).parents[1]
 MEASURED = {"timing.json", "cost.json", "cost.csv"}
 COST = re.compile(rb"<h2[^>]*>Cost.*?(?=<h2)", re.DOTALL)  # that section of report.html
 TARGETS = ("all",)
-TRAINING_KILLS = 3  # of each training, in every round
+KILLS, TRAINING_KILLS = 2, 3  # of each stage and each training, in every round
 LOOK_EVERY_S = 0.05
 CONFIG = {
     "scenes": {
@@ -125,12 +126,14 @@ def watch(run: subprocess.Popen[bytes], folder: Path) -> dict[str, float]:
     return ended
 
 
-def wait_for(stage: str, run: subprocess.Popen[bytes], folder: Path) -> int | None:
-    """Process id of a stage as soon as it runs; None if the run ended before."""
+def wait_for(
+    wanted: Collection[str], run: subprocess.Popen[bytes], folder: Path
+) -> tuple[int, str] | None:
+    """Process id and name of the first stage that runs of some; None if the run ended before."""
     while run.poll() is None:
         for pid, name in stages(folder).items():
-            if name == stage:
-                return pid
+            if name in wanted:
+                return pid, name
         time.sleep(LOOK_EVERY_S)
     return None
 
@@ -171,7 +174,7 @@ def digests(folder: Path) -> dict[str, str]:
     }
 
 
-class Round:
+class Disturbed:
     """Kills in one folder after another, until every stage has had its kills."""
 
     def __init__(self, base: Path, processor_s: Mapping[str, float], expected: Mapping[str, str]):
@@ -181,26 +184,34 @@ class Round:
         self.faults = self.number = 0
         self.folder = prepare(base / "disturbed0")
 
-    def kill(self, stage: str, which: str, draw: random.Random) -> None:
-        """Kill once in a stage; a run that ends without having met it is compared and left."""
+    def kill_all(self, wanted: dict[str, list[str]], draw: random.Random) -> None:
+        """Kill each stage as often as ``wanted`` has kinds for it, then let a run come to its end.
+
+        Each start of the command kills the first stage that it comes to of those still wanted.
+        """
         while True:
+            left = {stage: kinds for stage, kinds in wanted.items() if kinds}
             run = start(self.folder)
-            pid = wait_for(stage, run, self.folder)
-            if pid is None:
+            found = wait_for(left, run, self.folder)
+            if found is None:
                 self.compare(run.wait())
+                if not left:
+                    return
                 continue
+            pid, stage = found
+            which = left[stage][-1]
             after_s = draw.uniform(0.0, 0.95) * self.processor_s[stage]
             is_hit = kill(which, pid, after_s, run)
             if not is_hit and run.poll() is None:
                 os.killpg(run.pid, signal.SIGKILL)
             run.wait()
-            if left := outlived(self.folder):
-                print("outlived their run:", left, flush=True)
+            if alive := outlived(self.folder):
+                print("outlived their run:", alive, flush=True)
                 self.faults += 1
             if is_hit:
+                left[stage].pop()
                 self.kills.append((stage, which))
                 print(f"{len(self.kills)}: {which} in {stage} after {after_s:.2f} s", flush=True)
-                return
 
     def compare(self, status: int) -> None:
         """Compare what a run made that came to its end, and go on in an empty folder."""
@@ -220,7 +231,7 @@ class Round:
 def main() -> None:
     """Run the test and print its counts."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=2)
+    parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
     draw = random.Random(arguments.seed)
@@ -239,13 +250,14 @@ def test(base: Path, rounds: int, draw: random.Random) -> int:
         return 1
     expected = digests(calm)
     print(f"calm run: {len(expected)} files, {len(used)} stages", flush=True)
-    disturbed = Round(base, used, expected)
+    disturbed = Disturbed(base, used, expected)
     for _ in range(rounds):
-        for stage in used:
-            kinds = ["group", "stage", "snakemake"]
-            for which in draw.sample(kinds, TRAINING_KILLS if "train" in stage else 1):
-                disturbed.kill(stage, which, draw)
-        disturbed.compare(start(disturbed.folder).wait())
+        kinds = ["group", "stage", "snakemake"]
+        wanted = {
+            stage: draw.sample(kinds, TRAINING_KILLS if "train " in stage else KILLS)
+            for stage in used
+        }
+        disturbed.kill_all(wanted, draw)
     kills, faults = disturbed.kills, disturbed.faults
     print(f"{len(kills)} kills, {disturbed.number} runs to the end, {faults} faults")
     for title, names in (("stage", [s for s, _ in kills]), ("kind", [k for _, k in kills])):

@@ -121,3 +121,25 @@ def test_too_little_memory_is_said_and_the_next_attempt_asks_for_more(cluster, f
         "that it had asked for; Slurm ended it" in said
     )
     assert (folder / MODEL).read_bytes() == (finished[0] / MODEL).read_bytes()
+
+
+def test_one_scene_on_the_disk_of_a_node(cluster, finished, tmp_path):
+    """Nothing is shared but the folder that results come home to; nothing is made twice."""
+    home, log = tmp_path / "home", tmp_path / "job.log"
+    home.mkdir()
+    (home / "mine.yaml").write_text(yaml.safe_dump(SMALL))
+    script = finished[0] / "profiles/one_scene.sh"
+    environment = {
+        "PATH": f"{Path(sys.executable).parent}:{cluster.environment['PATH']}",
+        "PYTHONPATH": str(finished[0] / "src"),
+        "XDG_CACHE_HOME": str(tmp_path / "cache"),
+        "R3GW_SCRATCH": str(tmp_path / "scratch"),
+    }
+    wrapped = f"bash {script} {home} {home}/mine.yaml tiny full 0 --cores 2"
+    job = ("sbatch", "--wait", "--cpus-per-task=2", "--output", str(log), "--wrap", wrapped)
+    cluster.call(*job, more=environment)
+    assert (home / MODEL).read_bytes() == (finished[0] / MODEL).read_bytes()
+    shutil.rmtree(tmp_path / "scratch")
+    log.unlink()
+    cluster.call(*job, more=environment)
+    assert "Nothing to be done" in log.read_text()

@@ -66,7 +66,8 @@ class WeightSettings(Strict):
     sky_depth: float = Field(ge=0)
     sky_depth_gamma: float = Field(gt=0)
     light_directions: int = Field(ge=1)
-    light_domain: str = Field(pattern="^(hemisphere|sphere)$")
+    light_domain: Literal["hemisphere", "sphere"]
+    light_average: Literal["all", "negative"]
 
 
 class DensitySettings(Strict):
