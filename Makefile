@@ -13,6 +13,16 @@ BIN := .venv/bin
 SOURCES := pyproject.toml constraints.txt setup.py src/r3gw/native/build.py src/r3gw/native/levels.py \
 	$(wildcard src/r3gw/*/csrc/* src/r3gw/*/*/csrc/*)
 
+# Snakemake and pip want a home that they can write to, and a name. Who has none, such as the user of
+# a container, gets them here.
+ifneq ($(shell test -n "$$HOME" && test -d "$$HOME" && test -w "$$HOME" && echo yes),yes)
+export HOME := $(CURDIR)/.home
+$(shell mkdir -p "$(CURDIR)/.home")
+endif
+ifneq ($(shell id -un >/dev/null 2>&1 && echo yes),yes)
+export LOGNAME ?= nobody
+endif
+
 .PHONY: all ablations test test-quick kill-test cluster-test fuzz lint levels wheel site schemas \
 	sanitize constraints clean
 

@@ -190,3 +190,25 @@ def test_a_missing_input_is_a_sentence(files):
     files.initial.unlink()
     with pytest.raises(InputError, match=r"initial\.npz: no such file"):
         go(files)
+
+
+def test_snapshots_are_the_run_on_its_way_and_change_nothing(files, tmp_path):
+    plain = undisturbed(files, tmp_path)
+    assert go(files, snapshots=(KILLED_AT, ITERATIONS)) == plain
+    folder = files.target / "snapshots"
+    assert sorted(path.name for path in folder.iterdir()) == [str(KILLED_AT), str(ITERATIONS)]
+    assert (folder / str(ITERATIONS) / "model.safetensors").read_bytes() == plain
+    early = folder / str(KILLED_AT)
+    assert json.loads((early / "run.json").read_text())["iterations"] == KILLED_AT
+    assert (early / "model.safetensors").read_bytes() != plain
+    rows = (early / "history.csv").read_text().splitlines()
+    final = (files.target / "history.csv").read_text().splitlines()
+    assert rows == final[: KILLED_AT + 1]
+
+
+def test_a_snapshot_that_cannot_be_written_costs_the_run_nothing(files, tmp_path, caplog):
+    plain = undisturbed(files, tmp_path)
+    files.target.mkdir(exist_ok=True)
+    (files.target / "snapshots").write_text("a file where a folder should be")
+    assert go(files, snapshots=(KILLED_AT,)) == plain
+    assert "is not written" in caplog.text

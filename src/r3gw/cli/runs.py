@@ -26,6 +26,14 @@ from r3gw.cli.group import FILE, FOLDER, THREADS, cli
     help="Seconds between checkpoints.",
 )
 @click.option("--fresh", is_flag=True, help="Begin anew even where a checkpoint stands.")
+@click.option(
+    "--snapshot",
+    "snapshots",
+    type=click.IntRange(min=1),
+    multiple=True,
+    metavar="N",
+    help="Also write the run after N iterations, to snapshots/N; may be given several times.",
+)
 def train(
     scene: Path,
     masks: Path,
@@ -37,6 +45,7 @@ def train(
     threads: int,
     checkpoint_seconds: float,
     fresh: bool,
+    snapshots: tuple[int, ...],
 ) -> None:
     """Train one variant on one scene; writes model.safetensors, history.csv and run.json."""
     from r3gw.training.run import RunFiles, run_training
@@ -48,6 +57,7 @@ def train(
         num_threads=threads,
         checkpoint_s=checkpoint_seconds,
         fresh=fresh,
+        snapshots=snapshots,
     )
 
 

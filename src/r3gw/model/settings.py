@@ -1,17 +1,28 @@
 """Settings of what the model starts from and how it shades itself; values live in config/."""
 
+from typing import Annotated, Literal
+
 from pydantic import Field
 
 from r3gw.files.strict import Strict
 
 
 class InitSettings(Strict):
-    """Values before the first iteration."""
+    """Values before the first iteration.
+
+    Attributes:
+        opacity: Of every Gaussian.
+        roughness: Of every surface.
+        albedo: Of every surface, in all channels; "photos" takes it from the training photos
+            (r3gw.training.first_values).
+        light_radiance: Of the first, even light; "photos" takes it from the training photos
+            (r3gw.training.first_values).
+    """
 
     opacity: float = Field(gt=0, lt=1)
     roughness: float = Field(gt=0, lt=1)
-    albedo: float = Field(gt=0, lt=1)
-    light_radiance: float = Field(gt=0)
+    albedo: Annotated[float, Field(gt=0, lt=1)] | Literal["photos"]
+    light_radiance: Annotated[float, Field(gt=0)] | Literal["photos"]
 
 
 class SkySettings(Strict):

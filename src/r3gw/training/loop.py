@@ -23,6 +23,7 @@ from r3gw.training.optimizer import adam_step, set_position_rate
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
+from r3gw.training.snapshots import Snapshots
 from r3gw.training.state import TrainingState, first_state
 from r3gw.training.unseen import hold_back_unseen
 from r3gw.training.watched import Watched
@@ -36,6 +37,7 @@ def train(
     settings: TrainSettings,
     checkpoints: Checkpoints | None = None,
     watched: Watched | None = None,
+    snapshots: Snapshots | None = None,
 ) -> TrainingState:
     """Optimise ``model`` on ``photos`` for the iterations that the settings name.
 
@@ -45,6 +47,7 @@ def train(
         settings: The settings of the run.
         checkpoints: Where to continue from and save to; None does neither.
         watched: Where to show the run to those who watch it; None shows nothing.
+        snapshots: Where to write the run on its way; None writes nothing.
 
     Raises:
         InputError: If the loss stops being finite or the foreground vanishes.
@@ -55,7 +58,7 @@ def train(
     schedule = Schedule.of(settings)
     state.model.appearance.train()
     try:
-        _run(state, photos, schedule, checkpoints, watched)
+        _run(state, photos, schedule, checkpoints, watched, snapshots)
     except Diverged as error:
         kept = "" if checkpoints is None else checkpoints.kept()
         raise InputError(f"{error}{kept}") from None
@@ -69,6 +72,7 @@ def _run(
     schedule: Schedule,
     checkpoints: Checkpoints | None,
     watched: Watched | None,
+    snapshots: Snapshots | None,
 ) -> None:
     """Do the iterations that are left."""
     iterations = state.settings.iterations
@@ -78,16 +82,18 @@ def _run(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
     ) as bar:
         while state.iteration < iterations:
-            row = _step(state, photos, schedule, extent, watched)
+            row = step(state, photos, schedule, extent, watched)
             if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
             if checkpoints is not None:
                 checkpoints.save_if_due(state)
+            if snapshots is not None:
+                snapshots.save_if_due(state)
     require_finite_parameters(state)
 
 
-def _step(
+def step(
     state: TrainingState,
     photos: list[Photo],
     schedule: Schedule,

@@ -2,8 +2,9 @@
 
 import gc
 import logging
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,12 @@ from r3gw.native.code import PACKAGE, code_digest
 from r3gw.native.extension import LEVEL
 from r3gw.scene import load_scene
 from r3gw.training.checkpoint import INTERVAL_S, Checkpoints
+from r3gw.training.first_values import with_first_values
 from r3gw.training.loop import train
 from r3gw.training.photos import load_photos
 from r3gw.training.run_digest import run_digest, run_parts
 from r3gw.training.settings import TrainSettings, load_train_settings
+from r3gw.training.snapshots import Snapshots
 from r3gw.training.start import initial_model
 from r3gw.training.state import TrainingState
 from r3gw.training.watched import Watched
@@ -58,6 +61,7 @@ def run_training(
     num_threads: int,
     checkpoint_s: float = INTERVAL_S,
     fresh: bool = False,
+    snapshots: Collection[int] = (),
 ) -> None:
     """Train and write model.safetensors, history.csv, timing.json and, last, run.json.
 
@@ -74,20 +78,23 @@ def run_training(
         num_threads: CPU threads of torch and the rasterizer.
         checkpoint_s: Seconds between checkpoints.
         fresh: Begin anew even where a checkpoint stands.
+        snapshots: Iterations after which the run so far is written, in the form of a finished one,
+            to ``snapshots/<iteration>`` below the target.
 
     Raises:
         InputError: If an input is missing or malformed, or training diverges.
     """
     torch.set_num_threads(num_threads)
     ops.keep_freed_memory()
-    settings = load_train_settings(files.settings)
     imported = load_scene(files.scene)
     photos = load_photos(imported, files.scene, files.masks)
+    asked = load_train_settings(files.settings)
+    settings = with_first_values(asked, photos)
     initial = load_initial(files.initial)
     names = tuple(photo.name for photo in photos)
     sessions = tuple(view.session or view.name for view in imported.split("train"))
     start = initial_model(initial, names, settings, sessions, [photo.seen_sky for photo in photos])
-    values = settings.model_dump(mode="json")
+    values = asked.model_dump(mode="json")
     parts = run_parts(values, _code(), photos, sessions, initial, num_threads)
     checkpoints = Checkpoints(files.target, parts, checkpoint_s)
     if fresh:
@@ -96,15 +103,30 @@ def run_training(
     # What is loaded by now stays: the collector need not walk it during every iteration.
     gc.freeze()
     watched = Watched(files.target)
-    state = train(start, photos, settings, checkpoints, watched)
-    save_model(state.model, files.target / "model.safetensors", values)
-    state.history.write(files.target / "history.csv")
-    timing = {"training_seconds": state.history.seconds(), "peak_rss_mb": peak_rss_mb()}
-    write_json(files.target / "timing.json", timing)
-    record = {"scene": scene, "variant": variant} | _record(state, values, parts, num_threads)
-    write_json(files.target / "run.json", record)
+    run = {"scene": scene, "variant": variant}
+    write = partial(_write, run=run, settings=values, parts=parts, num_threads=num_threads)
+    kept = Snapshots(files.target, snapshots, write)
+    state = train(start, photos, settings, checkpoints, watched, kept)
+    write(state, files.target)
     checkpoints.discard()
     watched.discard()
+
+
+def _write(
+    state: TrainingState,
+    target: Path,
+    *,
+    run: Mapping[str, str],
+    settings: Mapping[str, Any],
+    parts: Mapping[str, str],
+    num_threads: int,
+) -> None:
+    """Write the run as it stands; run.json, which says that it is whole, last."""
+    save_model(state.model, target / "model.safetensors", settings)
+    state.history.write(target / "history.csv")
+    timing = {"training_seconds": state.history.seconds(), "peak_rss_mb": peak_rss_mb()}
+    write_json(target / "timing.json", timing)
+    write_json(target / "run.json", {**run, **_record(state, settings, parts, num_threads)})
 
 
 def _record(
@@ -113,8 +135,9 @@ def _record(
     """What run.json says of a finished run besides its names; nothing that was measured."""
     return {
         "seed": state.settings.seed,
-        "iterations": state.settings.iterations,
+        "iterations": state.iteration,
         "settings_digest": digest(settings),
+        "first_light": state.settings.init.light_radiance,
         "run_digest": run_digest(parts),
         "depends_on": dict(parts),
         "code_version": code_version(),

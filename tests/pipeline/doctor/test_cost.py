@@ -25,14 +25,17 @@ def test_cost_above_the_fixed_part_is_proportional():
     assert longer.memory_mb == one.memory_mb
 
 
-# Peak memory of short trainings that begin with all Gaussians, 20 photos (docs/performance.md).
+SHADOWS = {"occlusion": {"enabled": True}}
+# Peak memory of short trainings that begin with all Gaussians, 20 photos (training_memory.py).
 PEAKS_MB = [
-    ((240, 180), 25_000, {}, 468),
-    ((640, 480), 60_000, {}, 607),
-    ((1600, 1200), 200_000, {}, 1164),
-    ((240, 180), 25_000, {"occlusion": {"enabled": True}}, 774),
-    ((640, 480), 60_000, {"occlusion": {"enabled": True}}, 966),
-    ((1600, 1200), 200_000, {"occlusion": {"enabled": True}}, 4230),
+    ((240, 180), 25_000, {}, 568),
+    ((640, 480), 60_000, {}, 558),
+    ((1280, 850), 300_000, {}, 861),
+    ((1600, 1200), 200_000, {}, 1015),
+    ((240, 180), 25_000, SHADOWS, 522),
+    ((640, 480), 60_000, SHADOWS, 711),
+    ((1280, 850), 300_000, SHADOWS, 959),
+    ((1600, 1200), 200_000, SHADOWS, 1034),
 ]
 
 

@@ -65,7 +65,7 @@ def test_gate_before_the_training(made, tmp_path):
 
 @pytest.mark.parametrize(
     ("most", "status", "said"),
-    [(10**4, 0, ""), (10**11, 1, "place/full/seed0: a training will need about 180000.4 GB but")],
+    [(10**4, 0, ""), (10**11, 1, "place/full/seed0: a training will need about 100000.4 GB but")],
 )
 def test_gate_of_a_run(configured, tmp_path, repository, most, status, said):
     size = {"foreground": 30, "sky": 100, "photos": 3, "photo_pixels": 9216}

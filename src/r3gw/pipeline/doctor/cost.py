@@ -35,16 +35,16 @@ class Measured:
 
 # Chapel, 240 x 180 px, one core, two trainings at a time: 22.2 s for 1,000 iterations from 11,000
 # to 25,000 Gaussians, so 20.4 ms at 15,000. How time divides: benchmarks/scaling.py and
-# training_step.py. Memory: docs/performance.md.
+# training_step.py. Memory: training_memory.py.
 MEASURED = Measured(
     ms_per_iteration=20.4,
     gaussians=15_000,
     pixels=240 * 180,
     fixed_share=0.25,
     pixel_share=0.30,
-    base_mb=415.0,
-    kb_per_gaussian=1.8,
-    kb_per_pixel=0.1,
+    base_mb=440.0,
+    kb_per_gaussian=1.0,
+    kb_per_pixel=0.15,
 )
 
 
@@ -62,8 +62,8 @@ class MeasuredShadows:
 
 
 # Chapel, 25,000 Gaussians: 58 s against 25 s of `full` (docs/studies.md), shadows cast 7 times in
-# 64 directions. Memory: docs/performance.md.
-SHADOWS = MeasuredShadows(us_per_ray=3.7, kb_per_gaussian=10.9)
+# 64 directions. Memory: training_memory.py.
+SHADOWS = MeasuredShadows(us_per_ray=3.7, kb_per_gaussian=0.6)
 
 
 @dataclass(frozen=True)

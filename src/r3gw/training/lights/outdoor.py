@@ -12,6 +12,7 @@ from torch import Tensor
 from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.base import OpenSky
 from r3gw.model.light_models.outdoor import OutdoorLight
+from r3gw.training.first_values import first_radiance
 from r3gw.training.lights.base import LightTraining, NamedLoss, Seen
 from r3gw.training.losses.lighting import visible_sky_loss
 from r3gw.training.photos import Photo
@@ -21,8 +22,8 @@ from r3gw.training.visible_sky import first_sky
 
 def first_outdoor(settings: TrainSettings, seen: Seen) -> OutdoorLight:
     """Skies as the photos show them, per embedding, and a sun overhead."""
-    outdoor = settings.outdoor
-    skies = torch.stack([first_sky(photos, settings.init.light_radiance) for photos in seen])
+    outdoor, otherwise = settings.outdoor, first_radiance(settings)
+    skies = torch.stack([first_sky(photos, otherwise) for photos in seen])
     return OutdoorLight(
         skies, outdoor.sun_power, outdoor.ground_reflectance, settings.model.light_degree
     )
