@@ -35,6 +35,25 @@ def test_exported_from_the_command_line_and_relit(tiny, tmp_path):
     assert (read_rgb(tmp_path / "ply.png") == read_rgb(tmp_path / "pt.png")).all()
 
 
+def test_a_view_that_is_mostly_guessed_is_told_and_darkened(tiny, tmp_path):
+    """From behind the wall, whose photos all stand before it."""
+    view = ("--view", "a_0", "--light-of", "a_0")
+    seen = run(tiny, "relight", *view, "--output", str(tmp_path / "seen.png"))
+    assert "guessed" not in seen.output
+    pictures = []
+    for choice in ("shown", "dimmed"):
+        out = tmp_path / f"{choice}.png"
+        around = ("--orbit-deg", "180", "--guessed", choice)
+        done = run(tiny, "relight", *view, *around, "--output", str(out))
+        assert done.exit_code == 0
+        assert done.output == (
+            "0 % of the surfaces in view were seen by 2 photos from within 30 degrees; the rest "
+            "is guessed (--guessed dimmed)\n"
+        )
+        pictures.append(read_rgb(out).astype(int))
+    assert pictures[1].mean() < 0.8 * pictures[0].mean()
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

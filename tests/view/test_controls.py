@@ -104,6 +104,6 @@ def test_controls(html, tmp_path):
     assert covered == pytest.approx(1.0, abs=1e-3)
     assert foreground == pytest.approx(skyless, abs=1e-3)
     assert 0.05 < foreground < 0.95
-    assert "Photos from within 30°" in sentence
+    assert "by 2 photos from within 30°" in sentence
     assert cameras == list(VIEWS)
     assert session.complaints == []

@@ -8,6 +8,7 @@ import torch
 from r3gw.geometry.cameras import Camera
 from r3gw.relight.gaussians import Relightable
 from r3gw.view.coverage import coverage
+from r3gw.view.seen import seen_bits
 
 
 def wall(z: float) -> torch.Tensor:
@@ -66,3 +67,16 @@ def test_without_cameras_or_surfaces_there_is_nothing_to_say():
     assert coverage(one, []) is None
     bare = replace(one, albedo=one.albedo[:0], roughness=one.roughness[:0])
     assert coverage(bare, [camera(0.0, 1.0)]) is None
+
+
+def test_bits_of_a_texture_say_which_photos_see_a_gaussian():
+    """Of two walls behind each other, a camera on either side sees its own."""
+    gaussians = scene(torch.cat([wall(-1.0), wall(1.0)]))
+    front = Camera.looking_at((0.0, 0.0, 0.0), position=(0.0, 0.0, -6.0), width=96, height=96)
+    back = Camera.looking_at((0.0, 0.0, 0.0), position=(0.0, 0.0, 6.0), width=96, height=96)
+    asked, bits = seen_bits(gaussians, [front, back], rows=1)
+    assert asked == [0, 1]
+    assert bits.shape == (2048,)
+    assert (bits[:441] == 1).mean() > 0.9
+    assert (bits[441:882] == 2).mean() > 0.9
+    assert (bits[882:] == 0).all()

@@ -17,6 +17,7 @@ from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting.light import Light
 from r3gw.relight.lights import LightOptions, MapSource, PhotoSource, SunSource, light_over_time
 from r3gw.relight.picture import frame
+from r3gw.relight.seen import Coverage
 from r3gw.relight.sweep import Sweep
 from r3gw.relight.tone import CURVES
 from r3gw.relight.witnesses import Witnesses
@@ -118,6 +119,23 @@ def test_five_views_under_every_light(gaussians, scene_folder, html, maps, tmp_p
             expected = frame(gaussians, camera, light, CURVES[tone], witnesses).clamp(0, 1)
             assert psnr(pixels(next(found)), expected.numpy()) > LEAST_PSNR, (kind, name)
     assert session.complaints == []
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("browser")
+def test_guessed_parts_are_the_same_and_dark(gaussians, scene_folder, html, tmp_path):
+    """Surfaces that two photos see stay as they are."""
+    session = Session(html, jobs=[shot(VIEWS[1], show="guessed", photo=PHOTOS[0])])
+    shown = pixels(session.run(tmp_path)[0])
+    scene = load_scene(scene_folder)
+    camera, light = scene.views[1].camera, gaussians.lights[PHOTOS[0]]
+    photos = [view.camera for view in scene.split("train")]
+    is_well = Coverage(gaussians, photos).is_well_seen(camera.centre)
+    assert 0.1 < is_well.float().mean() < 0.9
+    asked = (gaussians, camera, light, CURVES["standard"], Witnesses(gaussians, photos))
+    expected, plain = frame(*asked, is_well).clamp(0, 1), frame(*asked).clamp(0, 1)
+    assert psnr(shown, expected.numpy()) > LEAST_PSNR
+    assert psnr(shown, plain.numpy()) < 30
 
 
 @pytest.mark.slow

@@ -5,8 +5,6 @@ import * as THREE from "three";
 import { poseOf } from "./camera";
 import type { Payload } from "./payload";
 
-const NEAR_DEG = 30;
-
 export class CoverageMeter {
   private readonly centres: THREE.Vector3[];
 
@@ -21,13 +19,13 @@ export class CoverageMeter {
     const counts = this.counts(camera);
     if (!this.payload.coverage) return "";
     if (counts.length === 0) return "No part of the scene that photos show is in view.";
-    const covered = counts.filter((count) => count > 0).length / counts.length;
-    const share = Math.round(100 * covered);
+    const { enoughPhotos, nearDeg, poorShare } = this.payload.constants;
+    const well = counts.filter((count) => count >= enoughPhotos).length / counts.length;
     const median = counts.sort((a, b) => a - b)[Math.floor(counts.length / 2)];
     const photos = median === 1 ? "1 photo" : `${median} photos`;
-    const remark = covered < 0.5 ? " Much of it is guessed." : "";
-    return `Photos from within ${NEAR_DEG}° cover ${share} % of this view; a typical point is in ` +
-      `${photos} of them.${remark}`;
+    const remark = well < poorShare ? " Most of it is guessed: Show has it darkened." : "";
+    return `${Math.round(100 * well)} % of this view was seen by ${enoughPhotos} photos from within ` +
+      `${nearDeg}°; a typical point by ${photos}.${remark}`;
   }
 
   /** Per point in view and facing the viewer, the photos that see it from a similar direction. */
@@ -36,7 +34,7 @@ export class CoverageMeter {
     if (!coverage) return [];
     const fromWorld = camera.matrixWorld.clone().invert();
     const clipFromWorld = camera.projectionMatrix.clone().multiply(fromWorld);
-    const limit = Math.cos((NEAR_DEG * Math.PI) / 180);
+    const limit = Math.cos((this.payload.constants.nearDeg * Math.PI) / 180);
     const [point, clip, view] = [new THREE.Vector3(), new THREE.Vector4(), new THREE.Vector3()];
     const towards = new THREE.Vector3();
     const counts: number[] = [];

@@ -66,7 +66,8 @@ export class Lights {
   }
 
   private sky(state: State, own: Own): number {
-    if (state.show !== "picture" || state.parts === "foreground") return NO_SKY;
+    const isPicture = state.show === "picture" || state.show === "guessed";
+    if (!isPicture || state.parts === "foreground") return NO_SKY;
     if (state.sky === "none") return NO_SKY;
     if (state.sky === "white") return WHITE_SKY;
     if (state.sky === "learned") return LEARNED_SKY;

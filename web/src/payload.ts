@@ -24,6 +24,13 @@ export interface Constants {
   smallestShare: number;
   mostNear: number;
   smallestWeight: number;
+  /** Of r3gw.relight.seen. */
+  nearDeg: number;
+  enoughPhotos: number;
+  mostAsked: number;
+  guessedBrightness: number;
+  guessedColour: number;
+  poorShare: number;
   shNorms: number[];
   yawCosines: number[][][];
   yawSines: number[][][];
@@ -100,6 +107,8 @@ export interface Payload {
   /** Depths that the depth picture spans, world units. */
   depthRange: [number, number];
   coverage: Coverage | null;
+  /** Photos (indices of `photos`) of which the blob ``seen`` has a bit each per Gaussian. */
+  asked: number[];
   witnesses: WitnessRecords;
   licences: string;
   facts: string[];

@@ -66,7 +66,10 @@ uniform vec3 uEye;
 uniform vec3 uForward;
 uniform vec2 uDepthRange;
 uniform int uNumForeground;
-uniform int uShow; // 0 picture, 1 albedo, 2 normals, 3 depth, 4 roughness, 5 light
+uniform int uShow; // 0 picture, 1 albedo, 2 normals, 3 depth, 4 roughness, 5 light, 6 guessed
+uniform highp usampler2D uSeenBy; // a bit per photo
+uniform vec3 uPhotoPlaces[${c.mostAsked}];
+uniform int uPhotoCount;
 uniform bool uWithSpecular;
 uniform bool uWithShadows;
 uniform bool uForegroundShown;
@@ -136,6 +139,23 @@ vec3 specular(vec3 normal, vec3 toCamera, float roughness) {
   return max(radiance, ${float(c.darkestSpecular)}) * (${float(c.dielectricF0)} * f.x + f.y);
 }
 
+// Whether enough photos saw a place from near a direction (r3gw.relight.seen).
+bool isWellSeen(ivec2 texel, vec3 place, vec3 toCamera) {
+  uint seenBy = texelFetch(uSeenBy, texel, 0).r;
+  int count = 0;
+  for (int i = 0; i < uPhotoCount; i++) {
+    bool isSeen = ((seenBy >> uint(i)) & 1u) == 1u;
+    float cosine = dot(normalize(uPhotoPlaces[i] - place), toCamera);
+    if (isSeen && cosine >= ${float(Math.cos((c.nearDeg * Math.PI) / 180))}) count++;
+  }
+  return count >= ${c.enoughPhotos};
+}
+
+vec3 dimmed(vec3 colour) {
+  vec3 grey = vec3((colour.r + colour.g + colour.b) / 3.0);
+  return ${float(c.guessedBrightness)} * mix(grey, colour, ${float(c.guessedColour)});
+}
+
 vec3 surfaceColour(ivec2 texel, vec3 centre, vec3 axis) {
   vec4 stored = texelFetch(uSurface, texel, 0);
   vec3 albedo = pow(stored.rgb, vec3(${float(c.gamma)}));
@@ -149,7 +169,8 @@ vec3 surfaceColour(ivec2 texel, vec3 centre, vec3 axis) {
   if (uWithShadows) arriving += shadowed(texel);
   vec3 linear = albedo / 3.14159265358979 * arriving;
   if (uWithSpecular && uShow != 5) linear += specular(normal, toCamera, stored.a);
-  return toned(linear);
+  vec3 colour = toned(linear);
+  return uShow == 6 && !isWellSeen(texel, centre, toCamera) ? dimmed(colour) : colour;
 }
 
 vec3 depthColour(vec3 centre) {

@@ -17,17 +17,20 @@ export async function makeSplats(payload: Payload, uniforms: Uniforms): Promise<
   const place = new Float32Array((await blob("place")).buffer);
   const shape = new Uint32Array((await blob("shape")).buffer);
   const surface = await blob("surface");
+  const seen = new Uint32Array((await blob("seen")).buffer);
   const table = new Uint16Array((await blob("table")).buffer);
   const textures = {
     uPlace: texture(place, WIDTH, rows, THREE.RGBAFormat, THREE.FloatType),
     uShape: texture(shape, WIDTH, rows, THREE.RGBAIntegerFormat, THREE.UnsignedIntType),
     uSurface: texture(surface, WIDTH, rows, THREE.RGBAFormat, THREE.UnsignedByteType),
     uTransfer: await transfer(rows),
+    uSeenBy: texture(seen, WIDTH, rows, THREE.RedIntegerFormat, THREE.UnsignedIntType),
     uTable: texture(
       table, payload.tableSize, payload.tableSize, THREE.RGFormat, THREE.HalfFloatType,
     ),
   };
   textures.uShape.internalFormat = "RGBA32UI";
+  textures.uSeenBy.internalFormat = "R32UI";
   textures.uTable.minFilter = textures.uTable.magFilter = THREE.LinearFilter;
   const all: Record<string, THREE.IUniform> = { ...uniforms };
   for (const [name, value] of Object.entries(textures)) all[name] = { value };

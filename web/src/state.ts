@@ -3,7 +3,7 @@
 export const LIGHTS = ["learned", "sun", "map"] as const;
 export const TONES = ["standard", "reinhard", "filmic"] as const;
 export const SKIES = ["own", "learned", "white", "none"] as const;
-export const SHOWN = ["picture", "albedo", "normals", "depth", "roughness", "light"] as const;
+export const SHOWN = ["picture", "albedo", "normals", "depth", "roughness", "light", "guessed"] as const;
 export const PARTS = ["both", "foreground", "sky"] as const;
 
 export interface State {

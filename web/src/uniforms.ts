@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 
+import { poseOf } from "./camera";
 import { COUNT } from "./harmonics";
 import type { Payload } from "./payload";
 
@@ -31,6 +32,8 @@ export function makeUniforms(payload: Payload) {
     uTransferScale: { value: payload.transferScale },
     uSkyPerPixel: { value: true },
     uRayFromNdc: { value: new THREE.Matrix3() },
+    uPhotoPlaces: { value: photoPlaces(payload) },
+    uPhotoCount: { value: payload.asked.length },
     uDome: { value: new THREE.Vector4() },
     uNearCount: { value: 0 },
     uNearPose: { value: several(() => new THREE.Matrix4()) },
@@ -39,6 +42,13 @@ export function makeUniforms(payload: Payload) {
     uNearLayer: { value: several(() => 0) },
     uDarkMaps: { value: null as THREE.Texture | null },
   };
+}
+
+/** Where the photos stood that say how well a surface was seen. */
+function photoPlaces(payload: Payload): THREE.Vector3[] {
+  const places = payload.asked.map((at) => poseOf(payload.photos[at]).position);
+  while (places.length < payload.constants.mostAsked) places.push(new THREE.Vector3());
+  return places;
 }
 
 export type Uniforms = ReturnType<typeof makeUniforms>;

@@ -269,6 +269,18 @@ def figure_metrics(wildcards):
     return [f"{run}/metrics/metrics.json" for run in figure_runs(wildcards)]
 
 
+def what_to_open():
+    """Three lines for the end of a run: what was made, and what to look at first."""
+    if not Path("results/report.html").is_file():
+        return []
+    pages = ", ".join(f"results/pages/{scene}.html" for scene in SCENES[:3])
+    return [
+        "Open results/report.html: all scenes, pictures, tables and costs on one page.",
+        f"Relight a scene in your browser: {pages}{', ...' if len(SCENES) > 3 else ''}.",
+        "The figures are in results/table1.csv (what they mean: docs/results.md).",
+    ]
+
+
 def study_metrics(wildcards):
     """What the evaluation of all runs of the study wrote, the baseline's first."""
     if STUDY is None:

@@ -67,6 +67,14 @@ SCENE_FOLDER = option(
     show_default=True,
     help="Frames per second of .mp4.",
 )
+@option(
+    OUTPUT,
+    "--guessed",
+    type=click.Choice(["shown", "dimmed"]),
+    default="shown",
+    show_default=True,
+    help="What becomes of surfaces that fewer than two photos saw from within 30 degrees.",
+)
 @option(OUTPUT, "--threads", type=click.IntRange(1), default=1, help="CPU threads.")
 def relight(
     model: Path,
@@ -77,6 +85,7 @@ def relight(
     output: tuple[Path, ...],
     frames: int,
     fps: float,
+    guessed: Literal["shown", "dimmed"],
     threads: int,
     tone: str,
     **light: Any,
@@ -98,17 +107,21 @@ def relight(
     from r3gw.relight.cameras import CameraOptions
     from r3gw.relight.film import FilmOptions
     from r3gw.relight.film import relight as run
+    from r3gw.relight.seen import remark
 
     cameras = CameraOptions(view, orbit_deg, width)
-    run(
+    share = run(
         model,
         scene,
         output,
         cameras,
         _light(**light),
-        FilmOptions(frames, fps, tone),
+        FilmOptions(frames, fps, tone, guessed),
         num_threads=threads,
     )
+    warning = remark(share)
+    if warning is not None:
+        click.echo(f"{'where least, ' if frames > 1 else ''}{warning} (--guessed dimmed)", err=True)
 
 
 @cli.command(cls=SectionCommand)

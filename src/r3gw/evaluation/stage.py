@@ -29,6 +29,8 @@ from r3gw.imaging.pictures import bytes_from_display, depth_picture, normal_pict
 from r3gw.model.lights import learned_lights
 from r3gw.model.model_file import load_model
 from r3gw.relight.files.lights_file import write_lights
+from r3gw.relight.gaussians import relightable_of
+from r3gw.relight.seen import Coverage
 from r3gw.rendering.surfaces import foreground_and_sky, surfaces_of
 from r3gw.scene import View, load_scene
 from r3gw.scene.selection import evenly
@@ -86,17 +88,23 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _protocol_records(evaluated: EvaluatedScene, folder: Path, scene: str) -> list[dict[str, Any]]:
-    """Score every view under every protocol that covers it, and write pictures on the way."""
-    pictured = {view.name for view in evenly(evaluated.scene.split("train"), NUM_LEARNED_PICTURES)}
+    """Score every view under every protocol that covers it, and write pictures on the way.
+
+    Records tell which share of a picture's surfaces photos saw well (`r3gw.relight.seen`), None
+    where it shows none.
+    """
+    train = evaluated.scene.split("train")
+    pictured = {view.name for view in evenly(train, NUM_LEARNED_PICTURES)}
+    coverage = Coverage(relightable_of(evaluated.model), [view.camera for view in train])
     records = []
     for view in tqdm(evaluated.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
-        outcomes = []
+        outcomes, well_seen = [], coverage.share(view.camera)
         for protocol in PROTOCOLS:
             outcome = protocol.evaluate(evaluated, view) if protocol.covers(view) else None
             if outcome is None:
                 continue
             outcomes.append((protocol.rank, outcome))
-            records.append(_record(protocol, view, scene, outcome))
+            records.append(_record(protocol, view, scene, outcome) | {"well_seen": well_seen})
             if view.split == "test" or view.name in pictured:
                 path = folder / protocol.name / f"{view.name}.png"
                 write_image(path, bytes_from_display(outcome.picture))

@@ -3,6 +3,7 @@
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import torch
 from tqdm import tqdm
@@ -13,18 +14,30 @@ from r3gw.relight.lights import LightOptions, light_over_time
 from r3gw.relight.load import load_relightable
 from r3gw.relight.outputs import output_for
 from r3gw.relight.picture import frame
+from r3gw.relight.seen import Coverage
 from r3gw.relight.tone import CURVES, linear_from_scene, scene_linear
 from r3gw.relight.witnesses import Witnesses
 from r3gw.scene import load_scene
+from r3gw.scene.selection import evenly
+
+MOST_JUDGED = 12  # Frames whose coverage is measured.
 
 
 @dataclass(frozen=True)
 class FilmOptions:
-    """How many frames, how fast, and their tone curve (`r3gw.relight.tone.CURVES`)."""
+    """How frames are made of a scene.
+
+    Attributes:
+        frames: How many.
+        fps: Frames per second.
+        tone: Name of the tone curve (`r3gw.relight.tone.CURVES`).
+        guessed: What becomes of surfaces that photos did not see well (`r3gw.relight.seen`).
+    """
 
     frames: int = 1
     fps: float = 25.0
     tone: str = "standard"
+    guessed: Literal["shown", "dimmed"] = "shown"
 
 
 def relight(
@@ -36,7 +49,7 @@ def relight(
     film: FilmOptions = FilmOptions(),
     *,
     num_threads: int = 1,
-) -> None:
+) -> float | None:
     """Render the frames and write them to every output.
 
     Args:
@@ -46,6 +59,10 @@ def relight(
         cameras, light: Each may move over the film.
         film: Frames and tone.
         num_threads: CPU threads of torch and the rasterizer.
+
+    Returns:
+        Share of the surfaces that photos saw well in the frame where it is lowest, among at most
+        `MOST_JUDGED` evenly chosen ones; None where no frame shows a surface.
 
     Raises:
         InputError: If a name is unknown, a file unreadable, choices contradict each other, or
@@ -60,7 +77,8 @@ def relight(
     times = [i / max(film.frames - 1, 1) for i in range(film.frames)]
     placed = cameras_over_time(scene, cameras, gaussians.middle, times)
     light_at = light_over_time(gaussians, light)
-    witnesses = Witnesses(gaussians, [view.camera for view in scene.split("train")])
+    photos = [view.camera for view in scene.split("train")]
+    witnesses, coverage = Witnesses(gaussians, photos), Coverage(gaussians, photos)
     sinks = [output_for(path, film.frames, film.fps) for path in outputs]
     curve = CURVES[film.tone]
     steps = tqdm(
@@ -75,9 +93,13 @@ def relight(
             stack.enter_context(sink)
         for camera, time in steps:
             shown, pictures = light_at(time), {}
+            dim_but = coverage.is_well_seen(camera.centre) if film.guessed == "dimmed" else None
             for is_linear in {sink.is_linear for sink in sinks}:
                 tone = scene_linear if is_linear else curve
-                picture = frame(gaussians, camera, shown, tone, witnesses)
+                picture = frame(gaussians, camera, shown, tone, witnesses, dim_but)
                 pictures[is_linear] = linear_from_scene(picture) if is_linear else picture
             for sink in sinks:
                 sink.write(pictures[sink.is_linear])
+    judged = evenly(list({id(camera): camera for camera in placed}.values()), MOST_JUDGED)
+    shares = [share for camera in judged if (share := coverage.share(camera)) is not None]
+    return min(shares, default=None)

@@ -6,7 +6,7 @@ Gaussians. What neither set covers is sky or black (`r3gw.relight.uncovered`).
 """
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera, pixel_directions
@@ -14,6 +14,7 @@ from r3gw.lighting.light import Light
 from r3gw.lighting.skies import LearnedSky
 from r3gw.raster import rasterize
 from r3gw.relight.gaussians import Relightable
+from r3gw.relight.seen import dimmed
 from r3gw.relight.tone import Curve
 from r3gw.relight.uncovered import other_sky_seen, own_sky_behind
 from r3gw.relight.witnesses import Witnesses
@@ -65,6 +66,7 @@ def frame(
     light: Light,
     curve: Curve,
     witnesses: Witnesses | None = None,
+    dim_but: Bool[Tensor, "f"] | None = None,
 ) -> Float[Tensor, "h w 3"]:
     """One picture, in the values of the tone curve.
 
@@ -75,11 +77,14 @@ def frame(
         curve: From linear values to those of the picture.
         witnesses: The training photos, which know some uncovered places to be dark; None if their
             cameras are unknown.
+        dim_but: True for the foreground Gaussians that stay as they are, where the others are
+            shown dark (`r3gw.relight.seen.dimmed`); None dims none.
     """
     has_own_sky = isinstance(light.sky, LearnedSky)
     features = torch.zeros(len(gaussians.means), 4)
-    features[: gaussians.num_foreground, :3] = foreground_values(
-        gaussians, camera.centre, light, curve
+    colours = foreground_values(gaussians, camera.centre, light, curve)
+    features[: gaussians.num_foreground, :3] = (
+        colours if dim_but is None else dimmed(colours, dim_but)
     )
     features[: gaussians.num_foreground, 3] = 1.0
     if has_own_sky:

@@ -17,6 +17,7 @@ from r3gw.relight.gaussians import Relightable
 from r3gw.relight.lights import learned_strength
 from r3gw.relight.load import load_relightable, model_in, scene_beside
 from r3gw.relight.picture import frame
+from r3gw.relight.seen import Coverage
 from r3gw.relight.tone import CURVES, linear_from_scene, scene_linear
 from r3gw.relight.witnesses import Witnesses
 from r3gw.scene import Scene, load_scene
@@ -55,6 +56,12 @@ class TrainedScene:
         """The photos that the scene was trained on; none without an imported scene."""
         views = () if self.scene is None else self.scene.split("train")
         return Witnesses(self.gaussians, [view.camera for view in views])
+
+    @cached_property
+    def coverage(self) -> Coverage:
+        """What the photos that the scene was trained on saw of it."""
+        views = () if self.scene is None else self.scene.split("train")
+        return Coverage(self.gaussians, [view.camera for view in views])
 
     @property
     def lights(self) -> Mapping[str, Light]:
@@ -109,6 +116,27 @@ class TrainedScene:
                 "scene.json"
             )
         return view_named(self.scene, name).camera
+
+    def well_seen(self, camera: Camera | str) -> float | None:
+        """Share of the surfaces in a picture that two photos saw from within 30 degrees.
+
+        The rest is a guess, however sharp it looks.
+
+        Args:
+            camera: Where from; a photo's name stands for its camera.
+
+        Returns:
+            0 to 1, or None where the picture shows no surface.
+
+        Raises:
+            InputError: If a name is unknown, or no photo's camera is known.
+        """
+        if self.scene is None:
+            raise InputError(
+                f"{self.gaussians.origin}: no cameras are known; load it with the folder of its "
+                "scene.json"
+            )
+        return self.coverage.share(self.camera(camera) if isinstance(camera, str) else camera)
 
     def exposed(self, light: Light) -> Light:
         """A light from elsewhere, made as strong as the learned lights are in the median.

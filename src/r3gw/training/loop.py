@@ -82,7 +82,7 @@ def _run(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
     ) as bar:
         while state.iteration < iterations:
-            row = _step(state, photos, schedule, extent, watched)
+            row = step(state, photos, schedule, extent, watched)
             if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
@@ -93,7 +93,7 @@ def _run(
     require_finite_parameters(state)
 
 
-def _step(
+def step(
     state: TrainingState,
     photos: list[Photo],
     schedule: Schedule,

@@ -12,7 +12,7 @@ from r3gw.lighting import sh
 from r3gw.lighting.irradiance import COSINE_BANDS, DARKEST_IRRADIANCE
 from r3gw.lighting.sh_rotation import rotate
 from r3gw.raster.reference import FRUSTUM_MARGIN, LOW_PASS_PX2, MAX_ALPHA, MIN_ALPHA, NEAR_PLANE
-from r3gw.relight import uncovered, witnesses
+from r3gw.relight import seen, uncovered, witnesses
 from r3gw.relight.tone import REINHARD_WHITE
 from r3gw.rendering.brdf_table import SMALLEST_COSINE, brdf_table
 from r3gw.rendering.cook_torrance import DARKEST_SPECULAR, DIELECTRIC_F0
@@ -43,6 +43,12 @@ def constants() -> dict[str, Any]:
         "smallestShare": uncovered.SMALLEST_SHARE,
         "mostNear": witnesses.MOST_NEAR,
         "smallestWeight": witnesses.SMALLEST_WEIGHT,
+        "nearDeg": seen.NEAR_DEG,
+        "enoughPhotos": seen.ENOUGH_PHOTOS,
+        "mostAsked": seen.MOST_ASKED,
+        "guessedBrightness": seen.GUESSED_BRIGHTNESS,
+        "guessedColour": seen.GUESSED_COLOUR,
+        "poorShare": seen.POOR_SHARE,
         "shNorms": sh_norms(),
         "yawCosines": [m.tolist() for m in yaw_harmonics()[0]],
         "yawSines": [m.tolist() for m in yaw_harmonics()[1]],

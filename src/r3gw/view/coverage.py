@@ -8,13 +8,10 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
-from r3gw.raster import rasterize
 from r3gw.relight.gaussians import Relightable
+from r3gw.relight.visibility import is_seen
 
 MOST_POINTS = 1500
-DEPTH_TOLERANCE = 0.05  # a point is seen if it lies at most this share behind the picture's depth
-SMALLEST_ALPHA = 1e-3
-LONGEST_SIDE_PX = 320
 SEED = 0
 
 
@@ -37,7 +34,7 @@ def coverage(gaussians: Relightable, cameras: Sequence[Camera]) -> dict[str, Any
         return None
     chosen = _drawn(gaussians)
     points = gaussians.means[chosen]
-    seen = torch.stack([_is_seen(gaussians, camera, points) for camera in cameras])
+    seen = torch.stack([is_seen(gaussians, camera, points) for camera in cameras])
     centres = torch.stack([camera.centre for camera in cameras]).to(points)
     return {
         "points": _rounded(points, 4),
@@ -65,38 +62,6 @@ def _outer(
     sides = torch.einsum("cpx,px->cp", centres[:, None] - points, normals).sign()
     is_behind = (sides * seen).sum(0) < 0
     return torch.where(is_behind[:, None], -normals, normals)
-
-
-def _is_seen(
-    gaussians: Relightable, camera: Camera, points: Float[Tensor, "p 3"]
-) -> Bool[Tensor, "p"]:
-    scale = min(1.0, LONGEST_SIDE_PX / max(camera.width, camera.height))
-    small = camera.scaled(round(camera.width * scale), round(camera.height * scale))
-    pose = small.cam_from_world.float()
-    depths = gaussians.means @ pose[2, :3] + pose[2, 3]
-    features = torch.stack([depths, torch.ones_like(depths)], dim=-1)
-    image = rasterize(
-        gaussians.means,
-        gaussians.quaternions,
-        gaussians.scales,
-        gaussians.opacities,
-        features,
-        pose,
-        small.intrinsics,
-        small.width,
-        small.height,
-    ).features
-    shown = image[..., 0] / image[..., 1].clamp_min(SMALLEST_ALPHA)
-    local = points @ pose[:3, :3].T + pose[:3, 3]
-    fx, fy, cx, cy = small.intrinsics
-    z = local[:, 2].clamp_min(1e-6)
-    column = (fx * local[:, 0] / z + cx).floor().long()
-    row = (fy * local[:, 1] / z + cy).floor().long()
-    inside = (local[:, 2] > 0) & (column >= 0) & (column < small.width)
-    inside &= (row >= 0) & (row < small.height)
-    depth = shown[row.clamp(0, small.height - 1), column.clamp(0, small.width - 1)]
-    is_seen: Tensor = inside & (local[:, 2] <= depth * (1 + DEPTH_TOLERANCE))
-    return is_seen
 
 
 def _rounded(values: Float[Tensor, "n c"], digits: int) -> list[list[float]]:

@@ -22,6 +22,7 @@ from r3gw.view.constants import constants, split_sum_table
 from r3gw.view.coverage import coverage
 from r3gw.view.daylight import BUNDLE, daylight_tables
 from r3gw.view.photos import photo_record
+from r3gw.view.seen import seen_bits
 from r3gw.view.witnesses import witness_records
 
 LICENCES = ("LICENCES.txt", "HOSEK_WILKIE.txt")
@@ -90,6 +91,8 @@ def payload_of(
     }
     if buffers.transfer is not None:
         blobs["transfer"] = buffers.transfer.tobytes()
+    asked, bits = seen_bits(shown, cameras, len(buffers.place))
+    blobs["seen"] = bits.tobytes()
     witnesses, dark = witness_records(gaussians, cameras)
     if dark:
         blobs["dark"] = dark
@@ -114,6 +117,7 @@ def payload_of(
         "focus": focus(cameras or [views[0].camera], middle).tolist(),
         "depthRange": _depth_range(shown, cameras),
         "coverage": coverage(shown, cameras),
+        "asked": asked,
         "witnesses": witnesses,
         "facts": list(options.facts),
         "start": dict(options.start),

@@ -85,7 +85,7 @@ def scene_page(folders: SceneFolders) -> Page:
 def _view_row(run: Run, view: View, folder: Path) -> Page:
     """Photo and renders of a view, with their figures."""
     photo = picture_uri(read_rgb(folder / view.image), VIEW_PX)
-    cells = [{"title": "photo", "uri": photo, "figures": ""}]
+    cells = [{"title": "photo", "uri": photo, "figures": _well_seen(run, view)}]
     for protocol in pictured_protocols():
         record = run.records.get((view.name, protocol.name))
         if record is not None:
@@ -93,6 +93,13 @@ def _view_row(run: Run, view: View, folder: Path) -> Page:
             uri = _shown(run, view.name, protocol.name)
             cells.append({"title": protocol.light_title, "uri": uri, "figures": figures})
     return {"name": view.name, "cells": cells}
+
+
+def _well_seen(run: Run, view: View) -> str:
+    """Which share of the view's surfaces photos saw well; empty for runs that do not know it."""
+    records = (run.records.get((view.name, protocol.name)) for protocol in pictured_protocols())
+    share = next((record.get("well_seen") for record in records if record is not None), None)
+    return "" if share is None else f"{100 * share:.0f} % of its surfaces well seen"
 
 
 def _shown(run: Run, view: str, kind: str) -> str:
