@@ -14,7 +14,7 @@ from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr
 from r3gw.geometry.cameras import Camera
 from r3gw.imaging.files import read_linear
-from r3gw.model.lights import photo_light
+from r3gw.model.lights import photographed_light
 from r3gw.rendering.surfaces import Surfaces, surfaces_of
 from r3gw.scene import View
 
@@ -139,7 +139,9 @@ def light_records(evaluated: EvaluatedScene) -> list[Record]:
     views = [view for view in evaluated.scene.split("train") if view.truth is not None]
     if not views:
         return []
-    learned = np.stack([_numpy(photo_light(evaluated.model, view.name).sh) for view in views])
+    learned = np.stack(
+        [_numpy(photographed_light(evaluated.model, view.name).sh) for view in views]
+    )
     true = np.stack(
         [_numpy(evaluated.true_light(view.truth)) for view in views if view.truth is not None]
     )
@@ -178,7 +180,7 @@ def sky_records(evaluated: EvaluatedScene) -> list[Record]:
         band = sky_band(is_sky) & is_valid
         if not band.any() or not (is_sky & is_valid).any():
             continue
-        picture = evaluated.render(view, photo_light(evaluated.model, view.name))
+        picture = evaluated.render(view, photographed_light(evaluated.model, view.name))
         alpha = surfaces_of(evaluated.model, view.camera).foreground_alpha
         record: Record = {
             "view": view.name,

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from r3gw.lighting import sh
+from r3gw.lighting.gains import sky_with_gains
 from r3gw.model.description import ModelDescription
 from r3gw.model.light_models.base import LightModel, OpenSky
 from r3gw.model.sky import SKY_DEGREE
@@ -36,7 +37,8 @@ class Appearance(nn.Module):
     """Maps a training photo's index to its environment light and its sky coefficients.
 
     Photos of one session can share an embedding; then each has an exposure of its own, a factor
-    on the light.
+    on the light. With gains, each photo has an exposure and a white balance of its own instead,
+    three factors that belong to its camera and not to the light.
 
     Attributes:
         light_model: Makes the light of what the MLP gives.
@@ -66,7 +68,10 @@ class Appearance(nn.Module):
         self.dropout = nn.Dropout(0.0)
         self.embedding = nn.Parameter(torch.randn(num_rows, embedding_size, generator=generator))
         self.log_exposure: nn.Parameter | None = None
-        if num_rows < len(rows):
+        self.log_gains: nn.Parameter | None = None
+        if description.photo_gains:
+            self.log_gains = nn.Parameter(torch.zeros(len(rows), 3))
+        elif num_rows < len(rows):
             self.log_exposure = nn.Parameter(torch.zeros(len(rows)))
         self.trunk = nn.Sequential(
             nn.Linear(embedding_size, hidden),
@@ -96,7 +101,27 @@ class Appearance(nn.Module):
         self._linear_layers[-1].bias.copy_(self.light_model.first.reshape(-1))
 
     def forward(self, photo: int) -> PhotoLight:
-        """What lights one training photo, without noise."""
+        """What lights one training photo as its camera shows it, without noise."""
+        lit = self.scene_light(photo)
+        if self.log_gains is None:
+            return lit
+        gains = self.gains()[photo]
+        open_sky = None
+        if lit.open_sky is not None:
+            open_sky = lit.open_sky._replace(radiance=lit.open_sky.radiance * gains)
+        return PhotoLight(lit.light * gains, sky_with_gains(lit.sky_light, gains), open_sky)
+
+    def gains(self) -> Float[Tensor, "photos 3"]:
+        """Exposure times white balance of every photo; their geometric mean over photos is 1.
+
+        So they never take what is the scene's: its colour, or how bright it is.
+        """
+        if self.log_gains is None:
+            return self.embedding.new_ones(len(self.rows), 3)
+        return (self.log_gains - self.log_gains.mean(dim=0)).exp()
+
+    def scene_light(self, photo: int) -> PhotoLight:
+        """What lights the scene in one training photo, whatever its camera made of it."""
         row = self.rows[photo]
         learned, sky_light = self._coefficients(row)
         exposure = None if self.log_exposure is None else self.log_exposure[photo].exp()

@@ -4,10 +4,10 @@ How it was trained is another matter (`r3gw.training.settings`); a model file ke
 which reading it does not need.
 """
 
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_serializer
 
 from r3gw.files.strict import Strict
 from r3gw.model.light_models.fixed import FixedDescription
@@ -28,6 +28,7 @@ class ModelDescription(Strict):
         separate_sky: Whether the sky is a set of Gaussians of its own (Sec. 4.3).
         specular: Whether surfaces reflect (Eq. 7) or are diffuse alone.
         share_session_light: Whether photos of a session share one light, each with an exposure.
+        photo_gains: Whether each photo has an exposure and white balance apart from its light.
         light: The light model and what it must know; its SH degree is the model's.
         embedding_size, hidden_size, light_hidden_size: Widths of the appearance MLP.
     """
@@ -35,10 +36,19 @@ class ModelDescription(Strict):
     separate_sky: bool
     specular: bool
     share_session_light: bool
+    photo_gains: bool = False
     light: LightDescription
     embedding_size: LayerSize
     hidden_size: LayerSize
     light_hidden_size: LayerSize
+
+    @model_serializer(mode="wrap")
+    def _as_before(self, values_of: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
+        """Without a word of gains where there are none, as files were before there were any."""
+        values = values_of(self)
+        if not self.photo_gains:
+            del values["photo_gains"]
+        return values
 
     @property
     def light_degree(self) -> int:

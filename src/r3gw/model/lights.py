@@ -10,16 +10,31 @@ from r3gw.model.model import SceneModel
 
 @torch.no_grad()
 def photo_light(model: SceneModel, photo: str) -> Light:
-    """The light and the sky that were learned for a training photo.
+    """The light and the sky that were learned for a training photo, without its camera's gains.
 
     Raises:
         InputError: If the model was not trained on the photo.
     """
+    lit = model.appearance.scene_light(_index(model, photo))
+    return Light(lit.light, LearnedSky(lit.sky_light))
+
+
+@torch.no_grad()
+def photographed_light(model: SceneModel, photo: str) -> Light:
+    """A training photo's light and sky in its own units: with its exposure and white balance.
+
+    Raises:
+        InputError: If the model was not trained on the photo.
+    """
+    lit = model.appearance(_index(model, photo))
+    return Light(lit.light, LearnedSky(lit.sky_light))
+
+
+def _index(model: SceneModel, photo: str) -> int:
     if photo not in model.photos:
         known = ", ".join(model.photos)
         raise InputError(f"the model has no light of a photo '{photo}'; it was trained on: {known}")
-    lit = model.appearance(model.photos.index(photo))
-    return Light(lit.light, LearnedSky(lit.sky_light))
+    return model.photos.index(photo)
 
 
 def learned_lights(model: SceneModel) -> dict[str, Light]:

@@ -13,6 +13,7 @@ from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
 from r3gw.training.losses.choice import FORMS
 from r3gw.training.losses.forms import PictureWeights
+from r3gw.training.losses.lighting import unlikeness
 from r3gw.training.losses.weighted import sum_of, value_of
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
@@ -68,10 +69,31 @@ def objective(
     light_training = training_of(model.appearance.light_model)
     others = [
         *light_training.losses(lit, photo, settings, generator),
+        *gains_losses(model, settings, index, generator),
         *regularisers(rendering, settings, schedule, iteration),
     ]
     parts |= {name: value_of(loss) for name, loss in others}
     return rendering, sum_of([pixels.total, *(loss for _, loss in others)]), parts
+
+
+def gains_losses(
+    model: SceneModel, settings: TrainSettings, index: int, generator: torch.Generator
+) -> Iterator[NamedLoss]:
+    """What tells a photo's exposure and white balance from its light, where it has them.
+
+    Args:
+        model: The scene.
+        settings: The settings of the run.
+        index: The photo's row.
+        generator: Draws the photo whose light this one's is compared with.
+    """
+    if not settings.gains.enabled:
+        return
+    appearance, weights = model.appearance, settings.gains
+    other = int(torch.randint(len(model.photos), (), generator=generator))
+    lights = [appearance.scene_light(photo).light for photo in (index, other)]
+    loss = weights.steady * appearance.gains()[index].log().square().sum()
+    yield NamedLoss("gains", loss + weights.alike * unlikeness(*lights))
 
 
 def regularisers(

@@ -108,6 +108,21 @@ class OutdoorSettings(Strict):
     sky_gradient: float = Field(ge=0)
 
 
+class GainsSettings(Strict):
+    """Exposure and white balance of each photo, apart from its light; not in the paper.
+
+    Attributes:
+        enabled: Whether photos have them.
+        steady: Weight: gains stay near 1.
+        alike: Weight: lights of photos are alike in brightness and colour, so that a cast that
+            either could explain is the camera's.
+    """
+
+    enabled: bool
+    steady: float = Field(ge=0)
+    alike: float = Field(ge=0)
+
+
 class UnseenSettings(Strict):
     """Bounds on Gaussians that no photo sees well (r3gw.training.unseen); not in the paper.
 
@@ -141,6 +156,7 @@ class TrainSettings(Strict):
     occlusion: OcclusionSettings
     outdoor: OutdoorSettings
     unseen: UnseenSettings
+    gains: GainsSettings
 
 
 def load_train_settings(path: Path) -> TrainSettings:

@@ -78,6 +78,7 @@ def _description(settings: TrainSettings, light_model: LightModel) -> ModelDescr
             "separate_sky": model.separate_sky,
             "specular": model.specular,
             "share_session_light": model.share_session_light,
+            "photo_gains": settings.gains.enabled,
             "light": light_model.describe(),
             "embedding_size": model.embedding_size,
             "hidden_size": model.hidden_size,

@@ -14,7 +14,7 @@ from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.fitted_light import Target, fitted_light
 from r3gw.evaluation.metrics import score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
-from r3gw.model.lights import photo_light
+from r3gw.model.lights import photographed_light
 from r3gw.scene import View
 from r3gw.scene.selection import evenly
 
@@ -50,7 +50,7 @@ class HalfImage(ViewProtocol):
         if min(is_valid[is_right].sum(), is_valid[~is_right].sum()) < LEAST_PIXELS:
             return None
         model = evaluated.model
-        starts = [photo_light(model, name) for name in evenly(model.photos, NUM_STARTS)]
+        starts = [photographed_light(model, name) for name in evenly(model.photos, NUM_STARTS)]
         left = Target(
             replace(view.camera, width=middle),
             torch.from_numpy(photo[:, :middle]).float(),

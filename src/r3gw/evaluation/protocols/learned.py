@@ -6,7 +6,7 @@ from typing import Any
 from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
-from r3gw.model.lights import photo_light
+from r3gw.model.lights import photographed_light
 from r3gw.scene import View
 
 
@@ -26,7 +26,7 @@ class Learned(ViewProtocol):
 
     def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Score all valid pixels, and once more (``psnr_foreground``) those that are not sky."""
-        light = photo_light(evaluated.model, view.name)
+        light = photographed_light(evaluated.model, view.name)
         photo, (is_valid, is_sky) = evaluated.photo(view), evaluated.masks(view)
         picture = evaluated.render(view, light)
         figures: dict[str, Any] = asdict(score(picture, photo, is_valid, view.name))

@@ -9,6 +9,8 @@ from torch import Tensor
 from r3gw.geometry.spherical import direction_from_angles
 from r3gw.lighting import sh
 
+DARKEST_MEAN = 1e-3  # of a light, as its coefficient of band 0, whose logarithm is taken
+
 
 def random_directions(
     count: int, domain: str, generator: torch.Generator
@@ -45,3 +47,11 @@ def visible_sky_loss(
     missing = radiance - basis @ open_sky
     missing = torch.where(is_clipped, missing.clamp_min(0.0), missing)
     return missing.square().sum(-1).mean()
+
+
+def unlikeness(
+    first: Float[Tensor, "coeff 3"], second: Float[Tensor, "coeff 3"]
+) -> Float[Tensor, ""]:
+    """Squared difference of the logarithms of two lights' mean radiances, the sum over channels."""
+    means = [light[0].clamp_min(DARKEST_MEAN).log() for light in (first, second)]
+    return (means[0] - means[1]).square().sum()
