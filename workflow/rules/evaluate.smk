@@ -16,6 +16,8 @@ rule evaluate:
     log:
         "logs/evaluate/{scene}.{variant}.seed{seed}.log",
     threads: 1
+    resources:
+        mem_mb=memory_mb,
     params:
         code=code_of("evaluate"),
     shell:
