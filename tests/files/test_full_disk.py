@@ -121,8 +121,8 @@ def run(capsys, monkeypatch, *arguments):
     monkeypatch.setattr(sys, "argv", ["r3gw", *arguments])
     with pytest.raises(SystemExit) as stopped:
         command_line.main()
-    # A progress bar goes before the sentence is said, with a carriage return.
-    return stopped.value.code, re.split(r"[\r\n]", capsys.readouterr().err.strip())[-1]
+    # Progress bars go before the sentence is said, with carriage returns and a cursor that moves up.
+    return stopped.value.code, re.split(r"[\r\n]|\x1b\[A", capsys.readouterr().err.strip())[-1]
 
 
 @pytest.mark.slow

@@ -11,7 +11,10 @@ const canvas = document.querySelector("#canvas");
 canvas.focus();
 const before = r3gwApp.stage.camera.position.toArray();
 canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "w", bubbles: true }));
-await new Promise((resolve) => setTimeout(resolve, 300));
+const moved = () => r3gwApp.stage.camera.position.toArray().some((x, i) => x !== before[i]);
+for (let wait = 0; wait < 100 && !moved(); wait += 1) {
+  await new Promise((resolve) => setTimeout(resolve, 100));
+}
 canvas.dispatchEvent(new KeyboardEvent("keyup", { key: "w", bubbles: true }));
 return [before, r3gwApp.stage.camera.position.toArray(), document.activeElement.id];
 """

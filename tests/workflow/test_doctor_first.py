@@ -55,7 +55,7 @@ def test_training_that_does_not_fit_stops_at_the_doctor(finished):
     too_much = CONFIG | {"train": CONFIG["train"] | density}
     done = snakemake(finished, "results/tiny/no_specular/seed0/model.safetensors", config=too_much)
     assert done.returncode != 0
-    assert "tiny/no_specular/seed0: a training will need about 180000.4 GB" in done.stderr
+    assert "tiny/no_specular/seed0: a training will need about 100000.4 GB" in done.stderr
     assert "lower 'max_image_px' or 'density.max_gaussians'" in done.stderr
     assert [rule for rule, _ in started(done.stderr)] == ["write_settings", "train"]
     log = (finished / "logs/train/tiny.no_specular.seed0.log").read_text()

@@ -32,6 +32,7 @@ def test_cost_report_and_figures_come_with_all(finished):
         "full-yaw",
         "nerf-osr-linear",
         "exact",
+        "half-image",
         "learned",
     }
     assert "Scene tiny" in (finished / "results/report.html").read_text()

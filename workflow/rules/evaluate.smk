@@ -8,6 +8,7 @@ rule evaluate:
         model="results/{scene}/{variant}/seed{seed}/model.safetensors",
         record="results/{scene}/{variant}/seed{seed}/run.json",
         timing="results/{scene}/{variant}/seed{seed}/timing.json",
+        checked="results/{scene}/checked.json",  # for `mem_mb`
     output:
         metrics="results/{scene}/{variant}/seed{seed}/metrics/metrics.json",
         lights="results/{scene}/{variant}/seed{seed}/metrics/lights.json",
