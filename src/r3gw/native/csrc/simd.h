@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#if defined(__AVX__)
+#if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
@@ -56,6 +56,11 @@ R3GW_INLINE Lanes minus_product(Lanes c, Lanes a, Lanes b) {
   return (Lanes)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
 }
 R3GW_INLINE Lanes square_root(Lanes a) { return (Lanes)_mm512_maskz_sqrt_ps(0xffff, (__m512)a); }
+R3GW_INLINE IntLanes where_greater(Lanes a, Lanes b) { return a > b; }
+R3GW_INLINE IntLanes where_greater_equal(Lanes a, Lanes b) { return a >= b; }
+R3GW_INLINE IntLanes where_bit_set(IntLanes a, IntLanes b) { return (a & b) != 0; }
+R3GW_INLINE Lanes minimum(Lanes a, Lanes b) { return a < b ? a : b; }
+R3GW_INLINE Lanes maximum(Lanes a, Lanes b) { return a > b ? a : b; }
 // The sixteen values that begin `Steps` lanes after the first of `b`, -16 <= Steps <= 0.
 template <int Steps>
 R3GW_INLINE Lanes shifted(Lanes a, Lanes b) {
@@ -72,28 +77,113 @@ R3GW_INLINE Lanes reciprocal(Lanes a) {
 #else
 
 using Mask = IntLanes;  // All ones where true.
-R3GW_INLINE Mask greater_equal(Lanes a, Lanes b) { return a >= b; }
-R3GW_INLINE Mask bit_set(IntLanes a, IntLanes b) { return (a & b) != 0; }
 R3GW_INLINE Lanes keep(Mask mask, Lanes a) { return as_float(mask & as_int(a)); }
 R3GW_INLINE Mask both(Mask a, Mask b) { return a & b; }
-R3GW_INLINE std::uint32_t bits(Mask mask) {
-#if defined(__AVX__)
-  __m256 halves[2];
-  std::memcpy(halves, &mask, sizeof mask);
-  return _mm256_movemask_ps(halves[0]) | _mm256_movemask_ps(halves[1]) << 8;
-#else
-  std::uint32_t result = 0;
-  for (int lane = 0; lane < kLanes; ++lane) result |= (mask[lane] & 1u) << lane;
-  return result;
-#endif
+
+#if defined(__SSE2__)
+
+// Compilers split arithmetic on sixteen lanes into registers, but they do comparisons, choices and
+// roots of vectors wider than a register lane by lane. So these are split here.
+#if defined(__AVX2__)
+using Part = __m256;
+R3GW_INLINE Part part_greater(Part a, Part b) { return _mm256_cmp_ps(a, b, _CMP_GT_OQ); }
+R3GW_INLINE Part part_is_zero(Part a) {
+  return (Part)_mm256_cmpeq_epi32((__m256i)a, _mm256_setzero_si256());
 }
-// Unfused: splitting the lanes for FMA instructions by hand costs more than it saves.
-R3GW_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) { return a * b + c; }
-R3GW_INLINE Lanes minus_product(Lanes c, Lanes a, Lanes b) { return c - a * b; }
+R3GW_INLINE Part part_greater_equal(Part a, Part b) { return _mm256_cmp_ps(a, b, _CMP_GE_OQ); }
+R3GW_INLINE Part part_minimum(Part a, Part b) { return _mm256_min_ps(a, b); }
+R3GW_INLINE Part part_maximum(Part a, Part b) { return _mm256_max_ps(a, b); }
+R3GW_INLINE Part part_root(Part a) { return _mm256_sqrt_ps(a); }
+R3GW_INLINE int part_bits(Part a) { return _mm256_movemask_ps(a); }
+#else
+using Part = __m128;
+R3GW_INLINE Part part_greater(Part a, Part b) { return _mm_cmpgt_ps(a, b); }
+R3GW_INLINE Part part_is_zero(Part a) {
+  return (Part)_mm_cmpeq_epi32((__m128i)a, _mm_setzero_si128());
+}
+R3GW_INLINE Part part_greater_equal(Part a, Part b) { return _mm_cmpge_ps(a, b); }
+R3GW_INLINE Part part_minimum(Part a, Part b) { return _mm_min_ps(a, b); }
+R3GW_INLINE Part part_maximum(Part a, Part b) { return _mm_max_ps(a, b); }
+R3GW_INLINE Part part_root(Part a) { return _mm_sqrt_ps(a); }
+R3GW_INLINE int part_bits(Part a) { return _mm_movemask_ps(a); }
+#endif
+
+constexpr int kParts = sizeof(Lanes) / sizeof(Part);
+constexpr int kPartLanes = kLanes / kParts;
+struct Parts {
+  Part part[kParts];
+};
+template <typename Vector>
+R3GW_INLINE Parts parts_of(Vector value) {
+  Parts parts;
+  std::memcpy(&parts, &value, sizeof parts);
+  return parts;
+}
+template <typename Vector>
+R3GW_INLINE Vector joined(const Parts& parts) {
+  Vector value;
+  std::memcpy(&value, &parts, sizeof value);
+  return value;
+}
+
+template <typename Vector, typename First, typename Operation>
+R3GW_INLINE Vector by_parts(First a, First b, Operation operation) {
+  Parts x = parts_of(a);
+  const Parts y = parts_of(b);
+  for (int i = 0; i < kParts; ++i) x.part[i] = operation(x.part[i], y.part[i]);
+  return joined<Vector>(x);
+}
+
+R3GW_INLINE IntLanes where_greater(Lanes a, Lanes b) {
+  return by_parts<IntLanes>(a, b, [](Part x, Part y) { return part_greater(x, y); });
+}
+R3GW_INLINE IntLanes where_greater_equal(Lanes a, Lanes b) {
+  return by_parts<IntLanes>(a, b, [](Part x, Part y) { return part_greater_equal(x, y); });
+}
+R3GW_INLINE IntLanes where_bit_set(IntLanes a, IntLanes b) {
+  const IntLanes common = a & b;
+  return ~by_parts<IntLanes>(common, common, [](Part x, Part) { return part_is_zero(x); });
+}
+R3GW_INLINE Lanes minimum(Lanes a, Lanes b) {
+  return by_parts<Lanes>(a, b, [](Part x, Part y) { return part_minimum(x, y); });
+}
+R3GW_INLINE Lanes maximum(Lanes a, Lanes b) {
+  return by_parts<Lanes>(a, b, [](Part x, Part y) { return part_maximum(x, y); });
+}
+R3GW_INLINE Lanes square_root(Lanes a) {
+  return by_parts<Lanes>(a, a, [](Part x, Part) { return part_root(x); });
+}
+R3GW_INLINE std::uint32_t bits(Mask mask) {
+  const Parts parts = parts_of(mask);
+  std::uint32_t result = 0;
+  for (int i = 0; i < kParts; ++i) result |= part_bits(parts.part[i]) << (i * kPartLanes);
+  return result;
+}
+
+#else
+
+R3GW_INLINE IntLanes where_greater(Lanes a, Lanes b) { return a > b; }
+R3GW_INLINE IntLanes where_greater_equal(Lanes a, Lanes b) { return a >= b; }
+R3GW_INLINE IntLanes where_bit_set(IntLanes a, IntLanes b) { return (a & b) != 0; }
+R3GW_INLINE Lanes minimum(Lanes a, Lanes b) { return a < b ? a : b; }
+R3GW_INLINE Lanes maximum(Lanes a, Lanes b) { return a > b ? a : b; }
 R3GW_INLINE Lanes square_root(Lanes a) {
   for (int lane = 0; lane < kLanes; ++lane) a[lane] = std::sqrt(a[lane]);
   return a;
 }
+R3GW_INLINE std::uint32_t bits(Mask mask) {
+  std::uint32_t result = 0;
+  for (int lane = 0; lane < kLanes; ++lane) result |= (mask[lane] & 1u) << lane;
+  return result;
+}
+
+#endif
+
+R3GW_INLINE Mask greater_equal(Lanes a, Lanes b) { return where_greater_equal(a, b); }
+R3GW_INLINE Mask bit_set(IntLanes a, IntLanes b) { return where_bit_set(a, b); }
+// Unfused: splitting the lanes for FMA instructions by hand costs more than it saves.
+R3GW_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) { return a * b + c; }
+R3GW_INLINE Lanes minus_product(Lanes c, Lanes a, Lanes b) { return c - a * b; }
 template <int Steps>
 R3GW_INLINE Lanes shifted(Lanes a, Lanes b) {
   return __builtin_shuffle(a, b, kLaneIndex + (kLanes + Steps));
@@ -102,9 +192,10 @@ R3GW_INLINE Lanes reciprocal(Lanes a) { return 1.0f / a; }
 
 #endif
 
-// NaN in `a` gives `b`, as the hardware's min and max do.
-R3GW_INLINE Lanes minimum(Lanes a, Lanes b) { return a < b ? a : b; }
-R3GW_INLINE Lanes maximum(Lanes a, Lanes b) { return a > b ? a : b; }
+// `minimum` and `maximum`: NaN in `a` gives `b`, as the hardware's do.
+R3GW_INLINE Lanes blend(IntLanes where, Lanes a, Lanes b) {
+  return as_float((where & as_int(a)) | (~where & as_int(b)));
+}
 R3GW_INLINE Lanes clamp(Lanes a, Lanes low, Lanes high) { return minimum(maximum(a, low), high); }
 
 // 2^x for x in [-126, 127], relative error 2.6e-6 (minimax polynomial on [-1/2, 1/2]).

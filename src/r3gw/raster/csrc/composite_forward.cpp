@@ -22,7 +22,7 @@ BlockWords words_from_masks(const std::uint16_t* masks, int count) {
   for (int half = 0; half < 2; ++half) {
     IntLanes collected{};
     for (int entry = 32 * half; entry < std::min(count, 32 * half + 32); ++entry) {
-      const IntLanes touched = (masks[entry] & block_bit) != 0;
+      const IntLanes touched = where_bit_set(IntLanes{} + masks[entry], block_bit);
       collected |= touched & static_cast<std::int32_t>(1u << (entry & 31));
     }
     for (int block = 0; block < kBlocks; ++block) {

@@ -30,7 +30,8 @@ R3GW_INLINE Lanes display_from_linear(Lanes linear) {
 // Gradient of a value clamped to [low, high], kept where descent leads back into the range.
 R3GW_INLINE Lanes two_way(Lanes value, float low, float high, Lanes gradient) {
   const IntLanes stuck =
-      ((value < low) & (gradient > 0.0f)) | ((value > high) & (gradient < 0.0f));
+      (where_greater(splat(low), value) & where_greater(gradient, Lanes{})) |
+      (where_greater(value, splat(high)) & where_greater(Lanes{}, gradient));
   return as_float(as_int(gradient) & ~stuck);
 }
 

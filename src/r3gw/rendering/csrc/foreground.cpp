@@ -23,8 +23,9 @@ struct Gaussian {
 
 // The first axis wins where scales are equal.
 void find_shortest(const Lanes (&log_scale)[3], IntLanes (&shortest)[3]) {
-  shortest[0] = (log_scale[0] <= log_scale[1]) & (log_scale[0] <= log_scale[2]);
-  shortest[1] = ~shortest[0] & (log_scale[1] <= log_scale[2]);
+  shortest[0] = where_greater_equal(log_scale[1], log_scale[0]) &
+                where_greater_equal(log_scale[2], log_scale[0]);
+  shortest[1] = ~shortest[0] & where_greater_equal(log_scale[2], log_scale[1]);
   shortest[2] = ~(shortest[0] | shortest[1]);
 }
 
@@ -62,7 +63,7 @@ Gaussian gaussian_at(const Foreground& f, const View& view, std::int64_t first, 
   for (int i = 0; i < 3; ++i) {
     axis[i] = choose(g.shortest, rotation[i][0], rotation[i][1], rotation[i][2]);
   }
-  g.side = dot(axis, to_camera) < 0.0f ? splat(-1.0f) : splat(1.0f);
+  g.side = blend(where_greater(Lanes{}, dot(axis, to_camera)), splat(-1.0f), splat(1.0f));
   for (int i = 0; i < 3; ++i) g.surface.normal[i] = g.side * axis[i];
   return g;
 }

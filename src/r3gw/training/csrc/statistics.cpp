@@ -23,7 +23,7 @@ void add_gradient_norms(const at::Tensor& totals, const at::Tensor& views,
     g[0] *= scale_x;
     g[1] *= scale_y;
     const Lanes norm = square_root(g[0] * g[0] + g[1] * g[1]);
-    const IntLanes visible = load_row(radius, first, count) > 0.0f;
+    const IntLanes visible = where_greater(load_row(radius, first, count), Lanes{});
     store_row(total, first, count,
               load_row(total, first, count) + as_float(visible & as_int(norm)));
     store_row(view, first, count,

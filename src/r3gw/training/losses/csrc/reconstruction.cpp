@@ -259,7 +259,9 @@ class Sweep {
           const Lanes similar = blurred[kByMean][row] + 2.0f * a * blurred[kBySquare][row] +
                                 b * blurred[kByProduct][row];
           const Lanes error = a - b;
-          const Lanes sign = error > 0.0f ? splat(1.0f) : (error < 0.0f ? splat(-1.0f) : Lanes{});
+          const Lanes sign = blend(
+              where_greater(error, Lanes{}), splat(1.0f),
+              blend(where_greater(Lanes{}, error), splat(-1.0f), Lanes{}));
           errors[row] += sign * error;
           const Lanes value = scale_.l1 * sign - scale_.dissimilarity * similar;
           store_existing(gradient_ + place, width - x, keep(valid, value));

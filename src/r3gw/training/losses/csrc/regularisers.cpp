@@ -37,7 +37,8 @@ double positivity(const float* light, const float* directions, std::int64_t coun
         radiance = fma(basis.value[i], splat(light[3 * i + c]), radiance);
       }
       // Not minimum(): a NaN of the light has to reach the loss.
-      const Lanes negative = only_existing(radiance > 0.0f ? Lanes{} : radiance, lanes);
+      const Lanes negative = only_existing(
+          blend(where_greater(radiance, Lanes{}), Lanes{}, radiance), lanes);
       total = fma(negative, negative, total);
       for (int i = 0; i < kCount; ++i) sums[i][c] = fma(basis.value[i], negative, sums[i][c]);
     }
@@ -75,7 +76,8 @@ VisibleMean visible_mean(const float* values, const float* radii, std::int64_t c
     const std::int64_t end = std::min(count, (run + 1) * kRowsPerRun);
     for (std::int64_t first = run * kRowsPerRun; first < end; first += kLanes) {
       const int lanes = static_cast<int>(std::min<std::int64_t>(kLanes, end - first));
-      const IntLanes is_visible = only_existing(load_row(radii, first, lanes), lanes) > 0.0f;
+      const IntLanes is_visible = 
+          where_greater(only_existing(load_row(radii, first, lanes), lanes), Lanes{});
       sum += as_float(is_visible & as_int(load_row(values, first, lanes)));
       visible -= is_visible;  // True is -1.
     }
@@ -97,7 +99,7 @@ VisibleMean visible_mean(const float* values, const float* radii, std::int64_t c
 void fill_visible(double value, const float* radii, std::int64_t count, float* result) {
   const Lanes filled = splat(static_cast<float>(value));
   for_sixteens(count, kRunsTogether * kRowsPerRun, [&](std::int64_t first, int lanes) {
-    const IntLanes is_visible = load_row(radii, first, lanes) > 0.0f;
+    const IntLanes is_visible = where_greater(load_row(radii, first, lanes), Lanes{});
     store_row(result, first, lanes, as_float(is_visible & as_int(filled)));
   });
 }
