@@ -121,8 +121,9 @@ def run(capsys, monkeypatch, *arguments):
     monkeypatch.setattr(sys, "argv", ["r3gw", *arguments])
     with pytest.raises(SystemExit) as stopped:
         command_line.main()
-    # Progress bars go before the sentence is said, with carriage returns and a cursor that moves up.
-    return stopped.value.code, re.split(r"[\r\n]|\x1b\[A", capsys.readouterr().err.strip())[-1]
+    # Progress bars go before the sentence, with carriage returns and a cursor that moves up.
+    said = re.split(r"[\r\n]|\x1b\[A", capsys.readouterr().err.strip())
+    return stopped.value.code, said[-1]
 
 
 @pytest.mark.slow
