@@ -9,6 +9,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.files import InputError
+from r3gw.geometry.cameras import Camera
 from r3gw.geometry.rotations import shortest_axes
 from r3gw.lighting.light import Light
 from r3gw.model.attributes import (
@@ -22,6 +23,7 @@ from r3gw.model.attributes import (
 from r3gw.model.lights import learned_lights
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION
+from r3gw.raster import RasterResult, rasterize
 from r3gw.relight.dome import Dome, dome_through
 
 
@@ -91,6 +93,20 @@ class Relightable:
     def dome(self) -> Dome | None:
         """The sphere on which the sky's Gaussians hang; None without such a sphere."""
         return dome_through(self.means[self.num_foreground :])
+
+    def drawn(self, features: Float[Tensor, "n c"], camera: Camera) -> RasterResult:
+        """Composite given values of all Gaussians, foreground and sky, as a camera sees them."""
+        return rasterize(
+            self.means,
+            self.quaternions,
+            self.scales,
+            self.opacities,
+            features,
+            camera.cam_from_world.float(),
+            camera.intrinsics,
+            camera.width,
+            camera.height,
+        )
 
     def light_of(self, photo: str) -> Light:
         """The light that was learned for a photo, with its sky.

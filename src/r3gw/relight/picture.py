@@ -12,7 +12,6 @@ from torch import Tensor
 from r3gw.geometry.cameras import Camera, pixel_directions
 from r3gw.lighting.light import Light
 from r3gw.lighting.skies import LearnedSky
-from r3gw.raster import rasterize
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.seen import dimmed
 from r3gw.relight.tone import Curve
@@ -91,17 +90,7 @@ def frame(
         features[gaussians.num_foreground :, :3] = sky_values(
             gaussians, camera.centre, light, curve
         )
-    drawn = rasterize(
-        gaussians.means,
-        gaussians.quaternions,
-        gaussians.scales,
-        gaussians.opacities,
-        features,
-        camera.cam_from_world.float(),
-        camera.intrinsics,
-        camera.width,
-        camera.height,
-    )
+    drawn = gaussians.drawn(features, camera)
     foreground = drawn.features[..., 3:]
     sky = (drawn.alpha[..., None] - foreground).clamp_min(0.0)
     dark = torch.zeros_like(sky) if witnesses is None else witnesses.darkness(camera)

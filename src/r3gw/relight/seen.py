@@ -13,7 +13,6 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
-from r3gw.raster import rasterize
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.visibility import is_seen
 
@@ -55,17 +54,7 @@ class Coverage:
         features = torch.zeros(len(gaussians.means), 2)
         features[: gaussians.num_foreground, 0] = self.is_well_seen(camera.centre).float()
         features[: gaussians.num_foreground, 1] = 1.0
-        drawn = rasterize(
-            gaussians.means,
-            gaussians.quaternions,
-            gaussians.scales,
-            gaussians.opacities,
-            features,
-            camera.cam_from_world.float(),
-            camera.intrinsics,
-            camera.width,
-            camera.height,
-        )
+        drawn = gaussians.drawn(features, camera)
         return drawn.planes[0], drawn.planes[1]
 
     def share(self, camera: Camera) -> float | None:

@@ -5,7 +5,6 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
-from r3gw.raster import rasterize
 from r3gw.relight.gaussians import Relightable
 
 DEPTH_TOLERANCE = 0.05  # a point is seen if it lies at most this share behind the picture's depth
@@ -32,17 +31,7 @@ def is_seen(
     pose = small.cam_from_world.float()
     depths = gaussians.means @ pose[2, :3] + pose[2, 3]
     features = torch.stack([depths, torch.ones_like(depths)], dim=-1)
-    image = rasterize(
-        gaussians.means,
-        gaussians.quaternions,
-        gaussians.scales,
-        gaussians.opacities,
-        features,
-        pose,
-        small.intrinsics,
-        small.width,
-        small.height,
-    ).features
+    image = gaussians.drawn(features, small).features
     shown = image[..., 0] / image[..., 1].clamp_min(SMALLEST_ALPHA)
     local = points @ pose[:3, :3].T + pose[:3, 3]
     fx, fy, cx, cy = small.intrinsics

@@ -15,7 +15,6 @@ from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera, pixel_directions
-from r3gw.raster import rasterize
 from r3gw.relight.gaussians import Relightable
 
 MAP_PX = 128  # Each photo's map is a square of this size, whatever the photo's shape.
@@ -83,17 +82,7 @@ class Witnesses:
         gaussians = self._gaussians
         is_foreground = torch.zeros(len(gaussians.means), 1)
         is_foreground[: gaussians.num_foreground] = 1.0
-        foreground = rasterize(
-            gaussians.means,
-            gaussians.quaternions,
-            gaussians.scales,
-            gaussians.opacities,
-            is_foreground,
-            camera.cam_from_world.float(),
-            camera.intrinsics,
-            camera.width,
-            camera.height,
-        ).planes[0]
+        foreground = gaussians.drawn(is_foreground, camera).planes[0]
         return ((1.0 - foreground) / CLEAR_FROM).clamp(0.0, 1.0)
 
     def _darkness(self, camera: Camera) -> Float[Tensor, "h w 1"]:
