@@ -18,6 +18,7 @@ from r3gw.training.health import (
     require_finite_parameters,
     watch_counts,
 )
+from r3gw.training.lights.kinds import training_of
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step, set_position_rate
 from r3gw.training.photos import Photo, camera_extent
@@ -26,6 +27,7 @@ from r3gw.training.settings import TrainSettings
 from r3gw.training.snapshots import Snapshots
 from r3gw.training.state import TrainingState, first_state
 from r3gw.training.unseen import hold_back_unseen
+from r3gw.training.visible_sky import seen_by_row
 from r3gw.training.watched import Watched
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
@@ -106,9 +108,13 @@ def step(
     set_position_rate(state.optimizer, settings.rates, schedule, iteration)
     index = state.order.next(state.generator)
     photo = photos[index]
+    if schedule.renews_light(iteration):
+        light_model = model.appearance.light_model
+        seen = seen_by_row(model.appearance.rows, [each.seen_sky for each in photos])
+        training_of(light_model).renew(light_model, seen)
     try:
         rendering, loss, parts = objective(
-            model, settings, photo, index, iteration, schedule, state.generator
+            model, settings, photo, index, iteration, schedule, state.generator, state.sun_shadows
         )
     except ValueError as error:
         raise diverged_in_rendering(state, photo, error) from error

@@ -18,6 +18,7 @@ from r3gw.training.losses.weighted import sum_of, value_of
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
+from r3gw.training.sun_shadows import SunShadows
 
 
 def objective(
@@ -28,6 +29,7 @@ def objective(
     iteration: int,
     schedule: Schedule,
     generator: torch.Generator,
+    sun_shadows: SunShadows,
 ) -> tuple[Rendering, Float[Tensor, ""], dict[str, float]]:
     """Render a training photo; return the loss and its weighted parts that are active now.
 
@@ -39,13 +41,18 @@ def objective(
         iteration: Counts from 1.
         schedule: Says which losses act.
         generator: Light noise and positivity directions.
+        sun_shadows: Those that were cast a short while ago; changed in place.
     """
     losses = FORMS[settings.losses]
     lit = model.appearance(index)
     noise = torch.randn(lit.light.shape, generator=generator)
     noisy = torch.add(lit.light, noise.to(lit.light), alpha=settings.model.light_noise)
     layers = Layers.OPACITY if settings.silhouette.enabled else Layers.COLOUR
-    rendering = render(model, photo.camera, noisy, lit.sky_light, layers)
+    sunlight = None
+    if lit.sun is not None:
+        row = model.appearance.rows[index]
+        sunlight = sun_shadows.of(model, row, lit.sun, iteration, schedule)
+    rendering = render(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
     acting = acting_weights(settings, schedule, iteration)
     pixels = losses.picture(
         rendering.planes,

@@ -27,6 +27,7 @@ class Schedule:
     position_iterations: int
     occlusion_first: int
     occlusion_interval: int
+    shadow_age: int
 
     @staticmethod
     def of(settings: TrainSettings) -> "Schedule":
@@ -47,6 +48,7 @@ class Schedule:
             position_iterations=own(settings.rates.position_iterations),
             occlusion_first=own(occlusion.first),
             occlusion_interval=own(occlusion.interval),
+            shadow_age=own(settings.daylight.shadow_age),
         )
 
     def densifies(self, iteration: int) -> bool:
@@ -63,6 +65,11 @@ class Schedule:
         since = iteration - self.occlusion_first
         is_due = since >= 0 and since % self.occlusion_interval == 0
         return is_due or iteration == self.iterations
+
+    def renews_light(self, iteration: int) -> bool:
+        """Whether what is computed of the light is set anew before this iteration."""
+        is_due = (iteration - self.occlusion_first) % self.shadow_age == 0
+        return is_due and iteration >= self.occlusion_first
 
     def density_progress(self, iteration: int) -> float:
         """Share of the densification period that has passed, 0 to 1."""

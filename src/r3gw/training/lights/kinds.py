@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 
 from r3gw.model.light_models.base import LightModel
+from r3gw.model.light_models.daylight import Daylight
 from r3gw.model.light_models.fixed import FixedLight
 from r3gw.model.light_models.free import FreeLight
 from r3gw.model.light_models.outdoor import OutdoorLight
 from r3gw.training.lights.base import LightTraining, Seen
+from r3gw.training.lights.daylight import DaylightTraining, first_daylight
 from r3gw.training.lights.free import FreeTraining, first_free
 from r3gw.training.lights.outdoor import OutdoorTraining, first_outdoor
 from r3gw.training.settings import TrainSettings
@@ -14,6 +16,7 @@ from r3gw.training.settings import TrainSettings
 TRAININGS: Mapping[type[LightModel], LightTraining] = {
     FreeLight: FreeTraining(),
     OutdoorLight: OutdoorTraining(),
+    Daylight: DaylightTraining(),
     FixedLight: LightTraining(),  # nothing about known lights is learned
 }
 
@@ -25,6 +28,8 @@ def first_light(settings: TrainSettings, seen: Seen) -> LightModel:
         settings: The settings of the run.
         seen: For each embedding, the skies that its photos show.
     """
+    if settings.daylight.enabled:
+        return first_daylight(settings, seen)
     if settings.outdoor.enabled:
         return first_outdoor(settings, seen)
     return first_free(settings)
