@@ -67,6 +67,11 @@ class ModelDescription(Strict):
         """Of a point sun's irradiance, what surfaces get from others that stand in it."""
         return self.light.sun_bounce if isinstance(self.light, DaylightDescription) else 0.0
 
+    @property
+    def sharp(self) -> float:
+        """Share of a point sun that is shaded as such; the rest stays in the SH light."""
+        return self.light.sharp if isinstance(self.light, DaylightDescription) else 0.0
+
 
 def light_rows(sessions: Sequence[str], share_session_light: bool) -> list[int]:
     """Which embedding each photo uses: its own, or its session's where light is shared."""

@@ -26,10 +26,10 @@ def bake(gaussians: Relightable, cameras: list[Camera], light: Light, curve: Cur
     sun = sun_on(gaussians, light)
     lit = None if sun is None else reaches(gaussians, cameras, sun)[:, None]
     for camera in cameras:
-        if lit is None:
+        if sun is None or lit is None:
             foreground = foreground_values(gaussians, camera.centre, light, curve)
         else:
-            both = colours_in_sun_and_shade(gaussians, camera.centre, light, curve)
+            both = colours_in_sun_and_shade(gaussians, camera.centre, light, sun, curve)
             foreground = torch.lerp(both[1], both[0], lit)
         total += torch.cat([foreground, sky_values(gaussians, camera.centre, light, curve)])
     middle = torch.stack([camera.centre for camera in cameras]).mean(dim=0)

@@ -45,6 +45,7 @@ class Relightable:
             transfer; None where the scene models none (r3gw.model.occlusion).
         has_point_sun: Whether it is shaded with a light's sun itself, where there is one.
         sun_bounce: See `r3gw.rendering.sunlight.bounced_irradiance`.
+        sharp: Share of the sun that is shaded as such; the rest stays in the SH light.
         origin: Where the scene came from, for messages: a file's path.
     """
 
@@ -60,6 +61,7 @@ class Relightable:
     occlusion: Float[Tensor, "f transfer"] | None = None
     has_point_sun: bool = False
     sun_bounce: float = 0.0
+    sharp: float = 1.0
     origin: str = "the scene"
 
     @property
@@ -148,5 +150,6 @@ def relightable_of(model: SceneModel, origin: str = "the model") -> Relightable:
         occlusion=foreground.values.get(OCCLUSION),
         has_point_sun=model.description.has_point_sun,
         sun_bounce=model.description.sun_bounce,
+        sharp=model.description.sharp,
         origin=origin,
     )

@@ -123,7 +123,7 @@ def _composited(
         values = columns(foreground_values(gaussians, camera.centre, light, curve))
         drawn = gaussians.drawn(torch.cat([values, is_foreground], dim=-1), camera)
         return _Composited(drawn.features[..., :3], drawn.features[..., 3:], drawn.alpha)
-    in_sun, in_shade = colours_in_sun_and_shade(gaussians, camera.centre, light, curve)
+    in_sun, in_shade = colours_in_sun_and_shade(gaussians, camera.centre, light, sun, curve)
     pose = camera.cam_from_world.float()
     depths = gaussians.means @ pose[2, :3] + pose[2, 3]
     features = [columns(in_sun), columns(in_shade), is_foreground, depths[:, None]]

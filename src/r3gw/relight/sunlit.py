@@ -10,6 +10,7 @@ from torch.nn.functional import normalize
 
 from r3gw.geometry.cameras import Camera
 from r3gw.lighting.light import Light
+from r3gw.lighting.sh import degree_of
 from r3gw.lighting.sun import PointSun
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.tone import Curve
@@ -21,8 +22,10 @@ from r3gw.rendering.sunlight import bounced_irradiance, sun_radiance
 
 
 def sun_on(gaussians: Relightable, light: Light) -> PointSun | None:
-    """The sun that a scene is shaded with; None where it is shaded by the light's SH alone."""
-    return light.point if gaussians.has_point_sun else None
+    """The part of a light's sun that a scene is shaded with; None for the light's SH alone."""
+    if light.point is None or not gaussians.has_point_sun:
+        return None
+    return light.point.times(gaussians.sharp)
 
 
 def shadow_on(gaussians: Relightable, sun: PointSun) -> SunShadow:
@@ -38,17 +41,21 @@ def shadow_on(gaussians: Relightable, sun: PointSun) -> SunShadow:
 
 
 def colours_in_sun_and_shade(
-    gaussians: Relightable, camera_centre: Float[Tensor, "3"], light: Light, curve: Curve
+    gaussians: Relightable,
+    camera_centre: Float[Tensor, "3"],
+    light: Light,
+    sun: PointSun,
+    curve: Curve,
 ) -> tuple[Float[Tensor, "f 3"], Float[Tensor, "f 3"]]:
     """Colours of the foreground as seen from a point, as if all of it stood in the sun, or none.
 
     Args:
         gaussians: The scene, which is shaded with suns.
         camera_centre: Where from.
-        light: Has a sun.
+        light: All of it.
+        sun: The part of it that is shaded as a sun (`sun_on`).
         curve: From linear values to those of the picture.
     """
-    assert light.point is not None  # the caller's choice
     surfaces = (
         gaussians.means[: gaussians.num_foreground],
         gaussians.normals,
@@ -58,17 +65,17 @@ def colours_in_sun_and_shade(
     in_shade = shade_foreground(
         *surfaces,
         camera_centre,
-        light.sh_beside_point,
+        light.sh - sun.sh(degree_of(len(light.sh))),
         with_specular=gaussians.with_specular,
         occlusion=gaussians.occlusion,
     )
     if gaussians.occlusion is not None:
-        bounced = bounced_irradiance(gaussians.occlusion, light.point, gaussians.sun_bounce)
+        bounced = bounced_irradiance(gaussians.occlusion, sun, gaussians.sun_bounce)
         in_shade = in_shade + gaussians.albedo / pi * bounced
     means, normals, albedo, roughness = surfaces
     to_camera = normalize(camera_centre.to(means) - means, dim=-1)
     facing, reflects = face_camera(normals, to_camera), gaussians.with_specular
-    added = sun_radiance(facing, to_camera, albedo, roughness, light.point, with_specular=reflects)
+    added = sun_radiance(facing, to_camera, albedo, roughness, sun, with_specular=reflects)
     return curve(in_shade + added), curve(in_shade)
 
 

@@ -95,7 +95,7 @@ def sunlight_of(model: SceneModel, sun: PointSun | None) -> Sunlight | None:
     """A light's sun with its shadows; None where the model shades by SH alone, or it has none."""
     if sun is None or not model.description.has_point_sun:
         return None
-    return Sunlight(sun, shadow_in(model, sun.direction))
+    return Sunlight(sun.times(model.description.sharp), shadow_in(model, sun.direction))
 
 
 def render(

@@ -116,11 +116,13 @@ class DaylightSettings(Strict):
             those of ``outdoor``, whose own switch does not matter then.
         sun_bounce: Of the sun's irradiance, what a surface gets from others that stand in the sun,
             where they hide all of the sky.
+        sharp: Share of the sun whose shadows are sharp; the rest is shaded by its SH.
         shadow_age: Iterations after which shadows are cast anew.
     """
 
     enabled: bool
     sun_bounce: float = Field(ge=0, le=1)
+    sharp: float = Field(ge=0, le=1)
     shadow_age: int = Field(ge=1)
 
 

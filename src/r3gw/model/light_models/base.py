@@ -36,12 +36,12 @@ class DaySky(NamedTuple):
     """A photo's sky above the horizon as the CIE's skies have it, and a learned change.
 
     Attributes:
-        colours: Of a clear sky at its zenith and of a covered one at its horizon, linear.
+        colours: Of the parts of a sky (`r3gw.lighting.cie_sky.PARTS`), linear.
         sun: Unit vector to where the clear sky's sun stands.
         change: SH coefficients, linear; learned.
     """
 
-    colours: Float[Tensor, "2 3"]
+    colours: Float[Tensor, "parts 3"]
     sun: Float[Tensor, "3"]
     change: Float[Tensor, "4 3"]
 

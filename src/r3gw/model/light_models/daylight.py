@@ -9,7 +9,7 @@ from torch import Tensor, nn
 
 from r3gw.geometry.cameras import UP
 from r3gw.lighting import sh
-from r3gw.lighting.cie_sky import sh_of_skies
+from r3gw.lighting.cie_sky import PARTS, sh_of_skies
 from r3gw.lighting.outdoor import SKY_DEGREE, ground_light, outdoor_light
 from r3gw.lighting.sun import PointSun
 from r3gw.model.light_models.base import (
@@ -28,15 +28,18 @@ class DaylightDescription(LightModelDescription):
         ground_reflectance: What the ground reflects of what it gets.
         sun_bounce: Of the sun's irradiance, what a surface gets from others that stand in the sun,
             where they hide all of the sky.
+        sharp: Share of the sun whose shadows are sharp; the rest is shaded by its SH.
     """
 
     kind: Literal["daylight"] = "daylight"
     ground_reflectance: float = Field(ge=0, le=1)
     sun_bounce: float = Field(ge=0, le=1)
+    sharp: float = Field(ge=0, le=1)
 
     def build(self, num_photos: int, num_rows: int) -> "Daylight":  # noqa: ARG002
         """As `LightModelDescription.build`."""
-        return Daylight(num_rows, 1.0, self.ground_reflectance, self.sun_bounce, self.degree)
+        constants = (self.ground_reflectance, self.sun_bounce, self.sharp)
+        return Daylight(num_rows, 1.0, *constants, self.degree)
 
 
 class Daylight(LightModel):
@@ -47,7 +50,7 @@ class Daylight(LightModel):
     Attributes:
         sun_directions: ``[rows, 3]`` towards the sun, of any length.
         log_sun_powers: ``[rows, 3]`` logarithm of the irradiance that faces the sun.
-        sky_colours: ``[rows, 2, 3]`` as `DaySky` has them, before exposure.
+        sky_colours: ``[rows, parts, 3]`` as `DaySky` has them, before exposure.
         sky_suns: ``[rows, 3]`` unit vectors to where the skies' suns stand; they follow the
             sun's directions now and then.
     """
@@ -61,16 +64,17 @@ class Daylight(LightModel):
         first_sun_power: float,
         ground_reflectance: float,
         sun_bounce: float,
+        sharp: float,
         degree: LightDegree,
     ) -> None:
         """Start with a sun of ``first_sun_power`` overhead and a black sky."""
         super().__init__(torch.zeros(sh.num_coefficients(SKY_DEGREE), 3))
         self.ground_reflectance, self.sun_bounce = ground_reflectance, sun_bounce
-        self.degree = degree
+        self.sharp, self.degree = sharp, degree
         overhead = torch.tensor(UP).repeat(num_rows, 1)
         self.sun_directions = nn.Parameter(overhead)
         self.log_sun_powers = nn.Parameter(torch.full((num_rows, 3), first_sun_power).log())
-        self.register_buffer("sky_colours", torch.zeros(num_rows, 2, 3))
+        self.register_buffer("sky_colours", torch.zeros(num_rows, len(PARTS), 3))
         self.register_buffer("sky_suns", overhead.clone())
 
     def describe(self) -> DaylightDescription:
@@ -79,6 +83,7 @@ class Daylight(LightModel):
             degree=self.degree,
             ground_reflectance=self.ground_reflectance,
             sun_bounce=self.sun_bounce,
+            sharp=self.sharp,
         )
 
     def environment(

@@ -77,6 +77,7 @@ class _Facts(Strict):
     with_specular: bool
     point_sun: bool = False
     sun_bounce: float = Field(0.0, ge=0, le=1)
+    sharp: float = Field(1.0, ge=0, le=1)
 
 
 def write_ply(
@@ -114,7 +115,7 @@ def write_ply(
         "with_specular": gaussians.with_specular,
     }
     if gaussians.has_point_sun:
-        facts |= {"point_sun": True, "sun_bounce": gaussians.sun_bounce}
+        facts |= {"point_sun": True, "sun_bounce": gaussians.sun_bounce, "sharp": gaussians.sharp}
     comments = [f"{COMMENT}{name} {json.dumps(value)}" for name, value in facts.items()]
     write_vertices(path, rows, comments)
 
@@ -170,6 +171,7 @@ def read_ply(path: Path) -> Relightable:
         occlusion=_columns(rows[:count], transfer) if transfer else None,
         has_point_sun=facts.point_sun,
         sun_bounce=facts.sun_bounce,
+        sharp=facts.sharp,
         origin=str(path),
     )
     if facts.coordinates == "scene":

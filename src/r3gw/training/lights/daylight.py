@@ -11,7 +11,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from r3gw.lighting.cie_sky import clear_sky, covered_sky
+from r3gw.lighting.cie_sky import PARTS, covered_sky, skies
 from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.base import DaySky, LightModel
 from r3gw.model.light_models.daylight import Daylight
@@ -34,9 +34,10 @@ def first_daylight(settings: TrainSettings, seen: Seen) -> Daylight:
         outdoor.sun_power,
         outdoor.ground_reflectance,
         settings.daylight.sun_bounce,
+        settings.daylight.sharp,
         degree,
     )
-    light.sky_colours[:, 1] = first_radiance(settings) / COVERED_MEAN
+    light.sky_colours[:, PARTS.index("covered")] = first_radiance(settings) / COVERED_MEAN
     for row, photos in enumerate(seen):
         if photos:
             light.sky_colours[row] = _colours(photos, None)
@@ -84,23 +85,33 @@ def day_sky_loss(sky: DaySky, photo: Photo, settings: OutdoorSettings) -> Float[
     return steady + settings.visible_sky * missing.square().sum(-1).mean()
 
 
-def _colours(photos: Sequence[VisibleSky], sun: Float[Tensor, "3"] | None) -> Float[Tensor, "2 3"]:
-    """Colours of the clear and of the covered share of a sky that photos show.
+def _colours(
+    photos: Sequence[VisibleSky], sun: Float[Tensor, "3"] | None
+) -> Float[Tensor, "parts 3"]:
+    """Colours of the parts of a sky that photos show.
+
+    Haze is white: cameras balance their photos to the light, which is mostly the sun's. So of a
+    clear sky the brightness that photos show settles haze, and the rest of their colour is air's.
 
     Args:
         photos: At least one.
         sun: Where it stands; None where that is not known yet, and a clear sky counts as even.
     """
     radiance = torch.cat([photo.radiance for photo in photos])
+    air, haze, covered = torch.cat([_shapes(photo, sun) for photo in photos], dim=1)
     cover = cover_of(radiance.median(dim=0).values)
-    shapes = torch.cat([_shapes(photo, sun) for photo in photos], dim=1)
-    clear, covered = ((radiance / shape[:, None]).median(dim=0).values for shape in shapes)
-    return torch.stack([(1 - cover) * clear, cover * covered])
+    white = (radiance.mean(dim=-1) / (air + haze)).median()
+    blue = (radiance / air[:, None]).median(dim=0).values - white * (haze / air).median()
+    grey = (radiance / covered[:, None]).median(dim=0).values
+    clear = (1 - cover) * torch.stack([blue.clamp_min(0.0), white.expand(3)])
+    return torch.cat([clear, cover * grey[None]])
 
 
-def _shapes(seen: VisibleSky, sun: Float[Tensor, "3"] | None) -> Float[Tensor, "2 k"]:
-    """How bright the CIE's skies are in a photo's sky pixels."""
+def _shapes(seen: VisibleSky, sun: Float[Tensor, "3"] | None) -> Float[Tensor, "parts k"]:
+    """How bright the parts of the CIE's skies are in a photo's sky pixels."""
     # Bands 1 of the basis are a factor times y, z and x.
     looks = seen.basis[:, [3, 1, 2]] / sqrt(3 / (4 * torch.pi))
-    clear = torch.ones_like(looks[:, 0]) if sun is None else clear_sky(looks, sun)
-    return torch.stack([clear, covered_sky(looks)])
+    if sun is not None:
+        return skies(looks, sun)
+    even = torch.ones_like(looks[:, 0])
+    return torch.stack([even, torch.zeros_like(even), covered_sky(looks)])
