@@ -10,7 +10,13 @@ from r3gw.model.model import SceneModel
 from r3gw.model.occlusion import update_occlusion
 from r3gw.model.rows import OCCLUSION
 from r3gw.training.checkpoint import Checkpoints
-from r3gw.training.density import GradientStatistics, densify, reset_opacity, rising_threshold
+from r3gw.training.density import (
+    UNCAPPED,
+    GradientStatistics,
+    densify,
+    reset_opacity,
+    rising_threshold,
+)
 from r3gw.training.health import (
     Diverged,
     diverged_in_rendering,
@@ -18,16 +24,16 @@ from r3gw.training.health import (
     require_finite_parameters,
     watch_counts,
 )
-from r3gw.training.lights.kinds import training_of
+from r3gw.training.lights.kinds import renew_light
 from r3gw.training.objective import objective
-from r3gw.training.optimizer import adam_step, set_position_rate
+from r3gw.training.optimizer import adam_step, set_rates
 from r3gw.training.photos import Photo, camera_extent
+from r3gw.training.resolution import PhotoSizes
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
 from r3gw.training.snapshots import Snapshots
 from r3gw.training.state import TrainingState, first_state
 from r3gw.training.unseen import hold_back_unseen
-from r3gw.training.visible_sky import seen_by_row
 from r3gw.training.watched import Watched
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
@@ -79,12 +85,13 @@ def _run(
     """Do the iterations that are left."""
     iterations = state.settings.iterations
     extent = camera_extent([photo.camera for photo in photos])
+    sizes = PhotoSizes(photos, schedule)
     interval_s = BAR_INTERVAL_S[sys.stderr.isatty()]
     with tqdm(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
     ) as bar:
         while state.iteration < iterations:
-            row = step(state, photos, schedule, extent, watched)
+            row = step(state, sizes, schedule, extent, watched)
             if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
@@ -97,7 +104,7 @@ def _run(
 
 def step(
     state: TrainingState,
-    photos: list[Photo],
+    sizes: PhotoSizes,
     schedule: Schedule,
     extent: float,
     watched: Watched | None,
@@ -105,13 +112,12 @@ def step(
     """Do one iteration; return its row of the history if it gets one."""
     state.iteration += 1
     iteration, model, settings = state.iteration, state.model, state.settings
-    set_position_rate(state.optimizer, settings.rates, schedule, iteration)
+    set_rates(state.optimizer, settings.rates, schedule, iteration)
     index = state.order.next(state.generator)
-    photo = photos[index]
+    photo = sizes.photo(index, iteration)
     if schedule.renews_light(iteration):
-        light_model = model.appearance.light_model
-        seen = seen_by_row(model.appearance.rows, [each.seen_sky for each in photos])
-        training_of(light_model).renew(light_model, seen)
+        seen_skies = [photo.seen_sky for photo in sizes.photos]
+        renew_light(model.appearance, seen_skies)
     try:
         rendering, loss, parts = objective(
             model, settings, photo, index, iteration, schedule, state.generator, state.sun_shadows
@@ -128,11 +134,11 @@ def step(
     model.sky.clamp_to_dome()
     _change_density(state, schedule, extent)
     if settings.unseen.enabled and schedule.holds_back_unseen(iteration):
-        centres = [photo.camera.centre for photo in photos]
+        centres = [photo.camera.centre for photo in sizes.photos]
         if hold_back_unseen(model, state.optimizer, centres, settings.unseen):
             state.statistics = GradientStatistics.of(model)
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
-        centres = [photo.camera.centre for photo in photos]
+        centres = [photo.camera.centre for photo in sizes.photos]
         update_occlusion(model.foreground, centres, settings.occlusion)
     is_due = state.history.is_due(iteration)
     row = state.history.add(iteration, model, photo, rendering, parts) if is_due else None
@@ -146,6 +152,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
     iteration, model = state.iteration, state.model
     density = state.settings.density
     if schedule.densifies(iteration):
+        share = schedule.gaussians_share(iteration)
         threshold = rising_threshold(
             schedule.density_progress(iteration),
             density.threshold_first,
@@ -156,13 +163,15 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
             state.optimizer,
             state.statistics.mean(),
             density,
+            most=round(share * density.max_gaussians),
             threshold=threshold,
             extent=extent,
             prune_huge=schedule.prunes_huge(iteration),
             generator=state.generator,
         )
         state.statistics = GradientStatistics.of(model)
-        watch_counts(state, grown)
+        # Small photos ask for few Gaussians; that is no reason to warn.
+        watch_counts(state, grown if share >= 1.0 else UNCAPPED)
     if schedule.resets_opacity(iteration):
         reset_opacity(model, state.optimizer, density.reset_opacity)
 

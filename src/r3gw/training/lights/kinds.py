@@ -1,7 +1,8 @@
 """Which training belongs to which light model, and which one the settings ask for."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
+from r3gw.model.appearance import Appearance
 from r3gw.model.light_models.base import LightModel
 from r3gw.model.light_models.daylight import Daylight
 from r3gw.model.light_models.fixed import FixedLight
@@ -12,6 +13,7 @@ from r3gw.training.lights.daylight import DaylightTraining, first_daylight
 from r3gw.training.lights.free import FreeTraining, first_free
 from r3gw.training.lights.outdoor import OutdoorTraining, first_outdoor
 from r3gw.training.settings import TrainSettings
+from r3gw.training.visible_sky import VisibleSky, seen_by_row
 
 TRAININGS: Mapping[type[LightModel], LightTraining] = {
     FreeLight: FreeTraining(),
@@ -38,3 +40,14 @@ def first_light(settings: TrainSettings, seen: Seen) -> LightModel:
 def training_of(light_model: LightModel) -> LightTraining:
     """How a light model is trained."""
     return TRAININGS[type(light_model)]
+
+
+def renew_light(appearance: Appearance, seen_skies: Sequence[VisibleSky | None]) -> None:
+    """Set anew what is computed of a light and not learned.
+
+    Args:
+        appearance: Holds the light model; changed in place.
+        seen_skies: What each photo shows of its sky, if any.
+    """
+    light_model = appearance.light_model
+    training_of(light_model).renew(light_model, seen_by_row(appearance.rows, seen_skies))
