@@ -70,7 +70,7 @@ class ModelDescription(Strict):
     @property
     def sharp(self) -> float:
         """Share of a point sun that is shaded as such; the rest stays in the SH light."""
-        return self.light.sharp if isinstance(self.light, DaylightDescription) else 0.0
+        return self.light.sharp if isinstance(self.light, DaylightDescription) else 1.0
 
 
 def light_rows(sessions: Sequence[str], share_session_light: bool) -> list[int]:
