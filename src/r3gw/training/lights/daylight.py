@@ -19,6 +19,7 @@ from r3gw.training.first_values import first_radiance
 from r3gw.training.lights.base import LightTraining, NamedLoss, Seen
 from r3gw.training.photos import Photo
 from r3gw.training.settings import OutdoorSettings, TrainSettings
+from r3gw.training.sun_from_sky import sun_from_sky
 from r3gw.training.visible_sky import VisibleSky, cover_of
 
 # Mean of `covered_sky` over the upper half: what turns the radiance of an even sky into a covered
@@ -27,7 +28,7 @@ COVERED_MEAN = 2.0
 
 
 def first_daylight(settings: TrainSettings, seen: Seen) -> Daylight:
-    """Skies as the photos show them, per embedding, and a sun overhead."""
+    """Skies as the photos show them, per embedding; suns where clear skies say, else overhead."""
     outdoor, degree = settings.outdoor, settings.model.light_degree
     light = Daylight(
         len(seen),
@@ -38,9 +39,15 @@ def first_daylight(settings: TrainSettings, seen: Seen) -> Daylight:
         degree,
     )
     light.sky_colours[:, PARTS.index("covered")] = first_radiance(settings) / COVERED_MEAN
-    for row, photos in enumerate(seen):
-        if photos:
-            light.sky_colours[row] = _colours(photos, None)
+    with torch.no_grad():
+        for row, photos in enumerate(seen):
+            if not photos:
+                continue
+            sun = sun_from_sky(photos)
+            light.sky_colours[row] = _colours(photos, sun)
+            if sun is not None:
+                light.sun_directions[row] = sun
+                light.sky_suns[row] = sun
     return light
 
 
