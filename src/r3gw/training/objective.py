@@ -8,7 +8,9 @@ from torch import Tensor
 
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
-from r3gw.rendering.compose import Rendering, render
+from r3gw.rendering.compose import Rendering, draw
+from r3gw.rendering.splats import splats_of
+from r3gw.training.dropping import dropped, share_at
 from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
 from r3gw.training.losses.choice import FORMS
@@ -38,14 +40,16 @@ def objective(
         index: The photo's row in the appearance embedding.
         iteration: Counts from 1.
         schedule: Says which losses act.
-        generator: Light noise and positivity directions.
+        generator: Draws light noise, directions of the positivity loss, and dropped Gaussians.
     """
     losses = FORMS[settings.losses]
     lit = model.appearance(index)
     noise = torch.randn(lit.light.shape, generator=generator)
     noisy = torch.add(lit.light, noise.to(lit.light), alpha=settings.model.light_noise)
     layers = Layers.OPACITY if settings.silhouette.enabled else Layers.COLOUR
-    rendering = render(model, photo.camera, noisy, lit.sky_light, layers)
+    splats = splats_of(model, photo.camera, noisy, lit.sky_light, layers)
+    share = share_at(iteration, settings.iterations, settings.dropping.share)
+    rendering = draw(dropped(splats, share, generator), photo.camera)
     acting = acting_weights(settings, schedule, iteration)
     pixels = losses.picture(
         rendering.planes,
