@@ -64,7 +64,6 @@ def extension(level: str) -> Extension:
         include_dirs=[str(PACKAGE.resolve())],
         extra_compile_args=[*FLAGS, *levels.machine_flag(level), *SANITIZERS],
         extra_link_args=[*LINK_FLAGS, *SANITIZERS],
-        define_macros=[("Py_LIMITED_API", "0x030b0000")],
         py_limited_api=True,
     )
 

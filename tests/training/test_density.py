@@ -49,6 +49,7 @@ def optimizer(model, settings) -> torch.optim.Adam:
 
 def grow(model, optimizer, gradients, density=DENSITY, **changes):
     arguments = {
+        "most": density.max_gaussians,
         "threshold": THRESHOLD,
         "extent": EXTENT,
         "prune_huge": False,

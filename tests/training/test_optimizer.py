@@ -1,9 +1,13 @@
-"""The one-kernel Adam step against torch's own Adam in float64."""
+"""The one-kernel Adam step against torch's own Adam in float64; rates that fall."""
 
 import pytest
 import torch
+from support.flat_world import flat_points
+from support.settings import train_settings
 
-from r3gw.training.optimizer import EPSILON, adam_step
+from r3gw.training.optimizer import EPSILON, POSITIONS, adam_step, make_optimizer, set_rates
+from r3gw.training.schedule import Schedule
+from r3gw.training.start import initial_model
 
 RATES = (1e-3, 0.05)
 SHAPES = ((), (7, 3), (20000, 2))
@@ -80,3 +84,24 @@ def test_goes_on_from_the_state_of_torch(threads):
     for value, other in zip(values, others, strict=True):
         torch.testing.assert_close(value, other, rtol=1e-6, atol=1e-6)
         assert ours.state[value]["step"] == theirs.state[other]["step"]
+
+
+def rates_at(iteration, **late):
+    settings = train_settings(iterations=400, rates=late)
+    optimizer = make_optimizer(initial_model(flat_points(), ("a", "b"), settings), settings)
+    for i in (1, iteration):
+        set_rates(optimizer, settings.rates, Schedule.of(settings), i)
+    return {group["name"]: group["lr"] for group in optimizer.param_groups}
+
+
+def test_late_rates_fall_for_all_but_positions():
+    late = {"late_share": 0.1, "late_from": 20000}
+    first, last = rates_at(2, **late), rates_at(400, **late)
+    usual = rates_at(400)
+    assert len(first) > len(POSITIONS)
+    for name, rate in first.items():
+        if name in POSITIONS:
+            assert last[name] == usual[name] < rate
+        else:
+            assert usual[name] == rate
+            assert last[name] == pytest.approx(0.1 * rate, rel=1e-9)

@@ -8,12 +8,14 @@ from r3gw.training.schedule import Schedule, scaled
 
 def test_the_papers_length_keeps_its_numbers():
     schedule = Schedule.of(train_settings())
-    assert schedule == Schedule(40000, 500, 2000, 500, 15000, 500, 3000, 30000, 4000, 6000)
+    assert schedule == Schedule(
+        *(40000, 500, 2000, 500, 15000, 500, 3000, 30000, 30000, 4000, 6000), 1.0, 0
+    )
 
 
 def test_a_short_run_scales_all():
     schedule = Schedule.of(train_settings(iterations=4000))
-    assert schedule == Schedule(4000, 50, 200, 50, 1500, 50, 300, 3000, 400, 600)
+    assert schedule == Schedule(4000, 50, 200, 50, 1500, 50, 300, 3000, 3000, 400, 600, 1.0, 0)
 
 
 @pytest.mark.parametrize(("n", "expected"), [(0, 0), (1, 1), (500, 1), (20000, 20)])
@@ -49,3 +51,10 @@ def test_position_rate_is_log_linear():
     middle = schedule.position_rate(15000, 1.6e-4, 1.6e-6)
     assert middle == pytest.approx(1.6e-5, rel=1e-9)
     assert schedule.position_rate(40000, 1.6e-4, 1.6e-6) == pytest.approx(1.6e-6, rel=1e-9)
+
+
+def test_other_rates_stay_until_they_fall_log_linearly():
+    schedule = Schedule.of(train_settings(iterations=4000, rates={"late_from": 20000}))
+    assert [schedule.late_share(i, 0.01) for i in (1, 2000)] == [1.0, 1.0]
+    assert schedule.late_share(3000, 0.01) == pytest.approx(0.1, rel=1e-9)
+    assert schedule.late_share(4000, 0.01) == pytest.approx(0.01, rel=1e-9)

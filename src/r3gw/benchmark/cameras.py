@@ -14,6 +14,10 @@ Array = NDArray[np.float64]
 # World axes of the building axes: x stays, away from the street is +z, up is -y.
 WORLD_FROM_BUILDING = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
+# The last bit of a product of matrices depends on where in memory they lie. Poses are rounded well
+# above that bit and far below what a picture shows, so that every run writes the same ones.
+POSE_DECIMALS = 12
+
 
 def train_cameras(
     walk: Walk, count: int, size_px: tuple[int, int], random: np.random.Generator
@@ -76,4 +80,4 @@ def _aimed(
     intrinsics = (focal, focal, width * (0.5 + shift[0]), height * (0.5 + shift[1]))
     rounded = tuple(float(np.round(value, 4)) for value in intrinsics)
     fx, fy, cx, cy = rounded
-    return Camera(torch.from_numpy(pose), (fx, fy, cx, cy), width, height)
+    return Camera(torch.from_numpy(pose.round(POSE_DECIMALS)), (fx, fy, cx, cy), width, height)

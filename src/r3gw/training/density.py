@@ -32,6 +32,9 @@ class Grown(NamedTuple):
     sky_capped: bool
 
 
+UNCAPPED = Grown(foreground_capped=False, sky_capped=False)
+
+
 class GradientStatistics:
     """Sums of screen-space gradient norms since the last densification, foreground then sky."""
 
@@ -85,6 +88,7 @@ def densify(
     gradients: Float[Tensor, "n"],
     settings: DensitySettings,
     *,
+    most: int,
     threshold: float,
     extent: float,
     prune_huge: bool,
@@ -96,7 +100,8 @@ def densify(
         model: Changed in place.
         optimizer: Its state follows the rows.
         gradients: Mean NDC gradient norms, foreground first.
-        settings: Sizes, opacities and the largest number of Gaussians.
+        settings: Sizes, opacities and the share of the sky.
+        most: The largest number of Gaussians, now.
         threshold: Gradient norm above which a Gaussian is densified.
         extent: Camera extent, world units; sizes are judged relative to it, in the sky
             relative to the dome's radius where that is larger.
@@ -104,7 +109,7 @@ def densify(
         generator: Draws the positions of split children.
     """
     split_at = len(model.foreground)
-    budget = settings.max_gaussians - model.num_gaussians
+    budget = most - model.num_gaussians
     sky_extent = max(extent, float(model.sky.radius.detach()))
     capped = []
     for rows, grads, size in (
@@ -113,7 +118,7 @@ def densify(
     ):
         room = budget
         if rows is model.sky.rows:
-            room = min(room, int(settings.sky_share * settings.max_gaussians) - len(rows))
+            room = min(room, int(settings.sky_share * most) - len(rows))
         chosen = _strongest(grads, threshold, room)
         capped.append(int(chosen.sum()) < int((grads > threshold).sum()))
         if len(rows) == 0:

@@ -10,7 +10,13 @@ from r3gw.model.model import SceneModel
 from r3gw.model.occlusion import update_occlusion
 from r3gw.model.rows import OCCLUSION
 from r3gw.training.checkpoint import Checkpoints
-from r3gw.training.density import GradientStatistics, densify, reset_opacity, rising_threshold
+from r3gw.training.density import (
+    UNCAPPED,
+    GradientStatistics,
+    densify,
+    reset_opacity,
+    rising_threshold,
+)
 from r3gw.training.health import (
     Diverged,
     diverged_in_rendering,
@@ -19,8 +25,9 @@ from r3gw.training.health import (
     watch_counts,
 )
 from r3gw.training.objective import objective
-from r3gw.training.optimizer import adam_step, set_position_rate
+from r3gw.training.optimizer import adam_step, set_rates
 from r3gw.training.photos import Photo, camera_extent
+from r3gw.training.resolution import PhotoSizes
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
 from r3gw.training.snapshots import Snapshots
@@ -77,12 +84,13 @@ def _run(
     """Do the iterations that are left."""
     iterations = state.settings.iterations
     extent = camera_extent([photo.camera for photo in photos])
+    sizes = PhotoSizes(photos, schedule)
     interval_s = BAR_INTERVAL_S[sys.stderr.isatty()]
     with tqdm(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
     ) as bar:
         while state.iteration < iterations:
-            row = step(state, photos, schedule, extent, watched)
+            row = step(state, sizes, schedule, extent, watched)
             if row is not None:
                 bar.set_postfix_str(_postfix(row), refresh=False)
             bar.update()
@@ -95,7 +103,7 @@ def _run(
 
 def step(
     state: TrainingState,
-    photos: list[Photo],
+    sizes: PhotoSizes,
     schedule: Schedule,
     extent: float,
     watched: Watched | None,
@@ -103,9 +111,9 @@ def step(
     """Do one iteration; return its row of the history if it gets one."""
     state.iteration += 1
     iteration, model, settings = state.iteration, state.model, state.settings
-    set_position_rate(state.optimizer, settings.rates, schedule, iteration)
+    set_rates(state.optimizer, settings.rates, schedule, iteration)
     index = state.order.next(state.generator)
-    photo = photos[index]
+    photo = sizes.photo(index, iteration)
     try:
         rendering, loss, parts = objective(
             model, settings, photo, index, iteration, schedule, state.generator
@@ -123,11 +131,11 @@ def step(
     model.sky.keep_opaque(settings.sky.least_opacity)
     _change_density(state, schedule, extent)
     if settings.unseen.enabled and schedule.holds_back_unseen(iteration):
-        centres = [photo.camera.centre for photo in photos]
+        centres = [photo.camera.centre for photo in sizes.photos]
         if hold_back_unseen(model, state.optimizer, centres, settings.unseen):
             state.statistics = GradientStatistics.of(model)
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
-        centres = [photo.camera.centre for photo in photos]
+        centres = [photo.camera.centre for photo in sizes.photos]
         update_occlusion(model.foreground, centres, settings.occlusion)
     is_due = state.history.is_due(iteration)
     row = state.history.add(iteration, model, photo, rendering, parts) if is_due else None
@@ -141,6 +149,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
     iteration, model = state.iteration, state.model
     density = state.settings.density
     if schedule.densifies(iteration):
+        share = schedule.gaussians_share(iteration)
         threshold = rising_threshold(
             schedule.density_progress(iteration),
             density.threshold_first,
@@ -151,13 +160,15 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
             state.optimizer,
             state.statistics.mean(),
             density,
+            most=round(share * density.max_gaussians),
             threshold=threshold,
             extent=extent,
             prune_huge=schedule.prunes_huge(iteration),
             generator=state.generator,
         )
         state.statistics = GradientStatistics.of(model)
-        watch_counts(state, grown)
+        # Small photos ask for few Gaussians; that is no reason to warn.
+        watch_counts(state, grown if share >= 1.0 else UNCAPPED)
     if schedule.resets_opacity(iteration):
         reset_opacity(model, state.optimizer, density.reset_opacity)
 

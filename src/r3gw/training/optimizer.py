@@ -46,6 +46,8 @@ def make_optimizer(model: SceneModel, settings: TrainSettings) -> torch.optim.Ad
     mlp = [p for p in model.appearance.parameters() if id(p) not in apart]
     add("embedding", [embedding], rates.named("embedding"))
     add("mlp", mlp, rates.named("mlp"))
+    for group in groups:
+        group["first_lr"] = group["lr"]
     return torch.optim.Adam(groups, eps=EPSILON, fused=True)
 
 
@@ -85,11 +87,14 @@ def adam_step(optimizer: torch.optim.Adam) -> None:
     )
 
 
-def set_position_rate(
+def set_rates(
     optimizer: torch.optim.Adam, rates: RateSettings, schedule: Schedule, iteration: int
 ) -> None:
-    """Let the learning rate of positions decay as the schedule says."""
-    rate = schedule.position_rate(iteration, rates.position_first, rates.position_last)
+    """Let the learning rates fall as the schedule says: positions all the time, others late."""
+    position = schedule.position_rate(iteration, rates.position_first, rates.position_last)
+    share = schedule.late_share(iteration, rates.late_share)
     for group in optimizer.param_groups:
         if group["name"] in POSITIONS:
-            group["lr"] = rate * rates.spatial_scale
+            group["lr"] = position * rates.spatial_scale
+        elif share < 1.0:
+            group["lr"] = share * group["first_lr"]

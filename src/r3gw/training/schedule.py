@@ -1,9 +1,12 @@
 """When things happen: the paper's milestones and intervals, scaled to this run's length."""
 
 from dataclasses import dataclass
-from math import exp, log
+from math import exp, floor, log
 
 from r3gw.training.settings import TrainSettings
+
+# Photos grow in steps of an eighth of their sides: each is made small at most so often.
+PHOTO_STEPS = 8
 
 
 def scaled(paper_iteration: int, iterations: int, paper_iterations: int) -> int:
@@ -25,8 +28,11 @@ class Schedule:
     densify_interval: int
     reset_interval: int | None
     position_iterations: int
+    rates_fall_from: int
     occlusion_first: int
     occlusion_interval: int
+    smallest_photo: float
+    photos_whole_from: int
 
     @staticmethod
     def of(settings: TrainSettings) -> "Schedule":
@@ -45,8 +51,30 @@ class Schedule:
             densify_interval=own(density.interval),
             reset_interval=None if density.reset_interval is None else own(density.reset_interval),
             position_iterations=own(settings.rates.position_iterations),
+            rates_fall_from=own(settings.rates.late_from),
             occlusion_first=own(occlusion.first),
             occlusion_interval=own(occlusion.interval),
+            smallest_photo=settings.resolution.smallest,
+            photos_whole_from=own(settings.resolution.whole_from),
+        )
+
+    def photo_share(self, iteration: int) -> float:
+        """Side of the photos at an iteration, as a share of their own: it grows in steps to 1."""
+        if self.smallest_photo >= 1.0 or iteration >= self.photos_whole_from:
+            return 1.0
+        reached = iteration / self.photos_whole_from
+        return max(self.smallest_photo, floor(PHOTO_STEPS * reached) / PHOTO_STEPS)
+
+    def gaussians_share(self, iteration: int) -> float:
+        """Share of the largest number of Gaussians that photos of this iteration's size are worth.
+
+        The square of the photos' side at first and the side itself in the end: Chen et al. (2025).
+        """
+        share = self.photo_share(iteration)
+        return (
+            float(share ** (2.0 - min(iteration / self.photos_whole_from, 1.0)))
+            if share < 1.0
+            else 1.0
         )
 
     def densifies(self, iteration: int) -> bool:
@@ -84,3 +112,8 @@ class Schedule:
         """Learning rate of positions: log-linear from ``first`` to ``last``, then constant."""
         share = min(iteration / self.position_iterations, 1.0)
         return exp((1 - share) * log(first) + share * log(last))
+
+    def late_share(self, iteration: int, last: float) -> float:
+        """What is left of the other rates: all at first, ``last`` in the end, log-linear."""
+        late = (iteration - self.rates_fall_from) / max(self.iterations - self.rates_fall_from, 1)
+        return float(last ** max(late, 0.0))

@@ -51,6 +51,8 @@ class RateSettings(Strict):
     embedding: float = Field(gt=0)
     mlp: float = Field(gt=0)
     short_run_boost: float = Field(ge=1)
+    late_share: float = Field(gt=0, le=1)
+    late_from: int = Field(ge=0)
 
     def named(self, name: str) -> float:
         """A rate at the first iteration: "position", or a field, boosted if it is a slow one."""
@@ -93,6 +95,18 @@ class DensitySettings(Strict):
     reset_opacity: float = Field(gt=0, lt=1)
     max_gaussians: int = Field(gt=0)
     sky_share: float = Field(gt=0, le=1)
+
+
+class ResolutionSettings(Strict):
+    """Smaller photos at first (r3gw.training.resolution); not in the paper.
+
+    Attributes:
+        smallest: Sides of the photos at first, as a share of their own; 1: whole from the start.
+        whole_from: Iteration of the paper's schedule from which on they are whole.
+    """
+
+    smallest: float = Field(gt=0, le=1)
+    whole_from: int = Field(ge=0)
 
 
 class SilhouetteSettings(Strict):
@@ -166,6 +180,7 @@ class TrainSettings(Strict):
     rates: RateSettings
     weights: WeightSettings
     density: DensitySettings
+    resolution: ResolutionSettings
     sky: SkySettings
     stereo: StereoSettings
     silhouette: SilhouetteSettings
