@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 import torch
+from support.settings import train_settings
 
 from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.files import write_image
+from r3gw.model.initial import load_initial
+from r3gw.model.stage import run_initialise
 from r3gw.scene import Gauge, Points, Scene, View, save_points, save_scene
 from r3gw.stereo.agreement import confirmed, thinned
 from r3gw.stereo.completion import completed
@@ -136,8 +139,8 @@ def test_completion_keeps_what_is_known_and_stays_between():
     assert float(got[:, 10].mean()) < 1.4 < 1.6 < float(got[:, 44].mean())
 
 
-@pytest.mark.parametrize("sky_rows", [0, 30])
-def test_points_of_a_scene_lie_on_its_wall(tmp_path, sky_rows):
+def wall_scene(tmp_path, sky_rows: int) -> Scene:
+    """The wall's photos and masks as files, the topmost rows said to be sky."""
     views = []
     for number, (shift, tone) in enumerate(zip(SHIFTS, TONES, strict=True)):
         camera, name = camera_at(shift), f"photo{number}"
@@ -164,12 +167,46 @@ def test_points_of_a_scene_lie_on_its_wall(tmp_path, sky_rows):
     points = sparse_points().float()
     save_points(Points(points.numpy(), np.zeros((len(points), 3), np.uint8)), tmp_path)
     save_scene(scene, tmp_path)
+    return scene
+
+
+@pytest.mark.parametrize("sky_rows", [0, 30])
+def test_points_of_a_scene_lie_on_its_wall(tmp_path, sky_rows):
+    scene, points = wall_scene(tmp_path, sky_rows), sparse_points().float()
     found = dense_points(scene, tmp_path, tmp_path / "masks", points)
     assert len(found) > 5 * len(points)
     off = (found @ NORMAL - OFFSET).abs() / NORMAL.norm()
     assert float(off.median()) < 0.03  # of a wall 5 to 7 units away
     # Guesses continue a depth beyond what two photos show, but not the wall's slant.
     assert float((off < 0.5).float().mean()) > 0.95
-    camera = views[0].camera
-    seen = projected(found.double(), camera)
+    seen = projected(found.double(), scene.views[0].camera)
     assert float((seen.y < sky_rows - 1).float().mean()) < 0.02
+
+
+def test_hundreds_of_photos_start_from_no_more_than_training_bears(tmp_path, monkeypatch):
+    monkeypatch.setattr("r3gw.stereo.points.MOST_FOUND", 100)
+    monkeypatch.setattr("r3gw.stereo.points.MOST_GUESSED", 20)
+    found = dense_points(
+        wall_scene(tmp_path, 0), tmp_path, tmp_path / "masks", sparse_points().float()
+    )
+    assert len(found) == 120
+
+
+def test_photos_that_share_nothing_give_no_points(tmp_path, caplog):
+    scene = wall_scene(tmp_path, 0)
+    found = dense_points(scene, tmp_path, tmp_path / "masks", sparse_points()[:5].float())
+    assert found.shape == (0, 3)
+    assert "sparse points alone" in caplog.text
+
+
+def test_the_initialise_stage_adds_them_where_masks_are_named(tmp_path):
+    wall_scene(tmp_path, 0)
+    sky = train_settings().sky
+    run_initialise(tmp_path, sky, tmp_path / "sparse.npz")
+    run_initialise(tmp_path, sky, tmp_path / "dense.npz", tmp_path / "masks")
+    run_initialise(tmp_path, sky, tmp_path / "again.npz", tmp_path / "masks")
+    sparse, dense = (load_initial(tmp_path / f"{name}.npz") for name in ("sparse", "dense"))
+    count = len(sparse.foreground)
+    assert count == len(sparse_points()) < len(dense.foreground) / 5
+    torch.testing.assert_close(dense.foreground[:count], sparse.foreground, rtol=0, atol=0)
+    assert (tmp_path / "dense.npz").read_bytes() == (tmp_path / "again.npz").read_bytes()

@@ -20,6 +20,8 @@ from r3gw.stereo.sweep import DepthMap, swept_depth
 MOST_PHOTOS = 100  # evenly chosen: a sweep takes a second
 GUESSED_EVERY_PX = 4
 NEAR_FOUND_PX = 5  # no guess is needed so near
+# Bounds on what training starts from; hundreds of photos show one place many times.
+MOST_FOUND, MOST_GUESSED = 30_000, 20_000
 
 _LOG = logging.getLogger(__name__)
 
@@ -59,8 +61,14 @@ def dense_points(
         _LOG.warning("no two photos agree on a depth: training starts from the sparse points alone")
         return points.new_zeros(0, 3)
     spacing = SPACING_PX * float(torch.cat(sizes).median())
-    dense = torch.cat([thinned(torch.cat(found), spacing), *guessed])
-    return dense.to(points.dtype)
+    on_surfaces = _at_most(thinned(torch.cat(found), spacing), MOST_FOUND)
+    between = _at_most(torch.cat(guessed), MOST_GUESSED)
+    return torch.cat([on_surfaces, between]).to(points.dtype)
+
+
+def _at_most(points: Float[Tensor, "n 3"], count: int) -> Float[Tensor, "m 3"]:
+    """So many of the points, evenly chosen in their order."""
+    return points[evenly(range(len(points)), count)]
 
 
 def _map(
