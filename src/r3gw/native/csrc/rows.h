@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 
 #include "native/csrc/parallel.h"
 #include "native/csrc/simd.h"
@@ -10,29 +11,44 @@
 
 namespace r3gw {
 
+// Sixteen values of which `left` or fewer exist; zero beyond them.
+R3GW_INLINE Lanes load_existing(const float* source, std::int64_t left) {
+  if (left >= kLanes) return load(source);
+  float values[kLanes] = {};
+  std::memcpy(values, source, left * sizeof(float));
+  return load(values);
+}
+
+R3GW_INLINE void store_existing(float* target, std::int64_t left, Lanes value) {
+  if (left >= kLanes) return store(target, value);
+  float values[kLanes];
+  store(values, value);
+  std::memcpy(target, values, left * sizeof(float));
+}
+
 // Rows [first, first + count) of an array, one register per column; lanes past the end repeat the
 // last row.
 template <int Columns>
 R3GW_INLINE void load_rows(const float* source, std::int64_t first, int count,
                            Lanes (&columns)[Columns]) {
-  if (kPermutesAreCheap && count == kLanes) {
-    return load_transposed(source + first * Columns, columns);
-  }
+  if (count == kLanes) return load_transposed(source + first * Columns, columns);
+  float values[Columns][kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
     const float* row = source + (first + std::min(lane, count - 1)) * Columns;
-    for (int column = 0; column < Columns; ++column) columns[column][lane] = row[column];
+    for (int column = 0; column < Columns; ++column) values[column][lane] = row[column];
   }
+  for (int column = 0; column < Columns; ++column) columns[column] = load(values[column]);
 }
 
 template <int Columns>
 R3GW_INLINE void store_rows(float* target, std::int64_t first, int count,
                             const Lanes (&columns)[Columns]) {
-  if (kPermutesAreCheap && count == kLanes) {
-    return store_transposed(target + first * Columns, columns);
-  }
+  if (count == kLanes) return store_transposed(target + first * Columns, columns);
+  float values[Columns][kLanes];
+  for (int column = 0; column < Columns; ++column) store(values[column], columns[column]);
   for (int lane = 0; lane < count; ++lane) {
     float* row = target + (first + lane) * Columns;
-    for (int column = 0; column < Columns; ++column) row[column] = columns[column][lane];
+    for (int column = 0; column < Columns; ++column) row[column] = values[column][lane];
   }
 }
 
@@ -45,8 +61,7 @@ R3GW_INLINE Lanes load_row(const float* source, std::int64_t first, int count) {
 }
 
 R3GW_INLINE void store_row(float* target, std::int64_t first, int count, Lanes column) {
-  if (count == kLanes) return store(target + first, column);
-  for (int lane = 0; lane < count; ++lane) target[first + lane] = column[lane];
+  store_existing(target + first, count, column);
 }
 
 R3GW_INLINE Lanes dot(const Lanes (&a)[3], const Lanes (&b)[3]) {

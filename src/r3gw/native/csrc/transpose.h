@@ -1,7 +1,8 @@
 // Sixteen rows of C columns, C registers of memory, as C registers of one column each, and back.
 //
-// A register of the result picks its lanes from the sources in turn, one two-register permutation
-// per source. That is worth it where such a permutation is one instruction.
+// With AVX-512 a register of the result picks its lanes from the sources in turn, one two-register
+// permutation per source. Elsewhere such a permutation takes many instructions, and lanes are
+// gathered one by one.
 #pragma once
 
 #include <utility>
@@ -11,10 +12,6 @@
 namespace r3gw {
 
 #if defined(__AVX512F__)
-constexpr bool kPermutesAreCheap = true;
-#else
-constexpr bool kPermutesAreCheap = false;
-#endif
 
 // Where lane `lane` comes from: a lane of the source, plus kLanes, or itself.
 template <int Columns, int Column, int Source>
@@ -69,5 +66,28 @@ R3GW_INLINE void store_transposed(float* target, const Lanes (&columns)[Columns]
   transpose<FromColumn>(columns, memory, std::make_integer_sequence<int, Columns>());
   for (int i = 0; i < Columns; ++i) store(target + i * kLanes, memory[i]);
 }
+
+#else
+
+template <int Columns>
+R3GW_INLINE void load_transposed(const float* source, Lanes (&columns)[Columns]) {
+  for (int column = 0; column < Columns; ++column) {
+    columns[column] =
+        by_lane<float>([&](auto lane) { return source[int{lane} * Columns + column]; });
+  }
+}
+
+template <int Columns>
+R3GW_INLINE void store_transposed(float* target, const Lanes (&columns)[Columns]) {
+  float values[Columns][kLanes];
+  for (int column = 0; column < Columns; ++column) store(values[column], columns[column]);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    for (int column = 0; column < Columns; ++column) {
+      target[lane * Columns + column] = values[column][lane];
+    }
+  }
+}
+
+#endif
 
 }  // namespace r3gw

@@ -14,8 +14,8 @@ struct BlockCentres {
   Lanes x[kTileBlocks], y[kTileBlocks];
 
   BlockCentres(int left, int top) {
-    const Lanes lane_x = __builtin_convertvector(kLaneIndex % kBlockSize, Lanes) + 0.5f;
-    const Lanes lane_y = __builtin_convertvector(kLaneIndex / kBlockSize, Lanes) + 0.5f;
+    const Lanes lane_x = to_float(kLaneIndex % kBlockSize) + 0.5f;
+    const Lanes lane_y = to_float(kLaneIndex / kBlockSize) + 0.5f;
     for (int i = 0; i < kTileBlocks; ++i) {
       x[i] = lane_x + static_cast<float>(left + i * kBlockSize);
       y[i] = lane_y + static_cast<float>(top + i * kBlockSize);

@@ -18,11 +18,11 @@ using BlockWords = std::array<std::uint64_t, kBlocks>;
 // From one 16-bit mask of blocks per entry to one 64-bit word of entries per block.
 BlockWords words_from_masks(const std::uint16_t* masks, int count) {
   BlockWords words{};
-  const IntLanes block_bit = (IntLanes{} + 1) << kLaneIndex;
+  const IntLanes block_bit = splat_int(1) << kLaneIndex;
   for (int half = 0; half < 2; ++half) {
     IntLanes collected{};
     for (int entry = 32 * half; entry < std::min(count, 32 * half + 32); ++entry) {
-      const IntLanes touched = where_bit_set(IntLanes{} + masks[entry], block_bit);
+      const IntLanes touched = where_bit_set(splat_int(masks[entry]), block_bit);
       collected |= touched & static_cast<std::int32_t>(1u << (entry & 31));
     }
     for (int block = 0; block < kBlocks; ++block) {
@@ -36,12 +36,13 @@ BlockWords words_from_masks(const std::uint16_t* masks, int count) {
 int masks_from_words(const BlockWords& words, int count, std::uint16_t* masks) {
   int used = 0;
   for (int half = 0; half < 2; ++half) {
-    IntLanes word;
+    std::int32_t halves[kBlocks];
     for (int block = 0; block < kBlocks; ++block) {
-      word[block] = static_cast<std::int32_t>(words[block] >> 32 * half);
+      halves[block] = static_cast<std::int32_t>(words[block] >> 32 * half);
     }
+    const IntLanes word = load(halves);
     for (int entry = 32 * half; entry < std::min(count, 32 * half + 32); ++entry) {
-      const IntLanes bit = IntLanes{} + static_cast<std::int32_t>(1u << (entry & 31));
+      const IntLanes bit = splat_int(static_cast<std::int32_t>(1u << (entry & 31)));
       masks[entry] = static_cast<std::uint16_t>(bits(bit_set(word, bit)));
       if (masks[entry] != 0) used = entry + 1;
     }

@@ -5,17 +5,6 @@
 
 namespace r3gw {
 
-// Lane l of `x` and `y` below: the halves of groups of 2*Half lanes of a and b, interleaved so that
-// x + y holds the half sums of a in even groups and those of b in odd ones.
-template <int Half>
-R3GW_INLINE Lanes add_halves(Lanes a, Lanes b) {
-  const IntLanes in_group = kLaneIndex & (Half - 1);
-  const IntLanes start = kLaneIndex & ~(2 * Half - 1);
-  const IntLanes from_b = (kLaneIndex & Half) != 0;
-  const IntLanes low = start + in_group + (from_b & kLanes);
-  return __builtin_shuffle(a, b, low) + __builtin_shuffle(a, b, low + Half);
-}
-
 template <int Half, int Count>
 R3GW_INLINE void fold(Lanes (&values)[kLanes]) {
 #pragma GCC unroll 8

@@ -6,35 +6,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 
 #include "raster/csrc/frame.h"
-#include "native/csrc/simd.h"
+#include "native/csrc/rows.h"
 
 namespace r3gw {
-
-// Quarter q of result r is quarter r of source q.
-R3GW_INLINE void transpose_quarters(const Lanes (&s)[4], Lanes* result) {
-  const Lanes low01 = __builtin_shufflevector(s[0], s[1], 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19,
-                                              20, 21, 22, 23);
-  const Lanes low23 = __builtin_shufflevector(s[2], s[3], 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19,
-                                              20, 21, 22, 23);
-  const Lanes high01 = __builtin_shufflevector(s[0], s[1], 8, 9, 10, 11, 12, 13, 14, 15, 24, 25,
-                                               26, 27, 28, 29, 30, 31);
-  const Lanes high23 = __builtin_shufflevector(s[2], s[3], 8, 9, 10, 11, 12, 13, 14, 15, 24, 25,
-                                               26, 27, 28, 29, 30, 31);
-  const auto even = [](Lanes a, Lanes b) {
-    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27);
-  };
-  const auto odd = [](Lanes a, Lanes b) {
-    return __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30,
-                                   31);
-  };
-  result[0] = even(low01, low23);
-  result[1] = odd(low01, low23);
-  result[2] = even(high01, high23);
-  result[3] = odd(high01, high23);
-}
 
 struct TileWindow {
   int left, top, width, height;  // Pixels; width and height at most kTileSize.
@@ -57,7 +33,7 @@ struct TileWindow {
         if (is_whole()) {
           rows[i] = r3gw::load(row);
         } else if (y + i < height) {
-          std::memcpy(&rows[i], row, width * sizeof(float));
+          rows[i] = load_existing(row, width);
         }
       }
       transpose_quarters(rows, blocks + y);
@@ -78,11 +54,7 @@ struct TileWindow {
       transpose_quarters(group, rows);
       for (int i = 0; i < kBlockSize && y + i < height; ++i) {
         float* row = first + static_cast<std::int64_t>(y + i) * image_width;
-        if (width == kTileSize) {
-          r3gw::store(row, rows[i]);
-        } else {
-          std::memcpy(row, &rows[i], width * sizeof(float));
-        }
+        store_existing(row, width, rows[i]);
       }
     }
   }

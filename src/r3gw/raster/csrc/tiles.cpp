@@ -79,10 +79,12 @@ class BlockTest {
   }
 
   static constexpr float kReach = kBlockSize - 1;  // Between the outer pixel centres of a block.
-  static constexpr Lanes kBlockLeft = {0.5f, 4.5f, 8.5f, 12.5f, 0.5f, 4.5f, 8.5f, 12.5f,
-                                       0.5f, 4.5f, 8.5f, 12.5f, 0.5f, 4.5f, 8.5f, 12.5f};
-  static constexpr Lanes kBlockTop = {0.5f, 0.5f, 0.5f, 0.5f, 4.5f,  4.5f,  4.5f,  4.5f,
-                                      8.5f, 8.5f, 8.5f, 8.5f, 12.5f, 12.5f, 12.5f, 12.5f};
+  static constexpr Lanes kBlockLeft =
+      lanes_of(0.5f, 4.5f, 8.5f, 12.5f, 0.5f, 4.5f, 8.5f, 12.5f,  //
+               0.5f, 4.5f, 8.5f, 12.5f, 0.5f, 4.5f, 8.5f, 12.5f);
+  static constexpr Lanes kBlockTop =
+      lanes_of(0.5f, 0.5f, 0.5f, 0.5f, 4.5f, 4.5f, 4.5f, 4.5f,  //
+               8.5f, 8.5f, 8.5f, 8.5f, 12.5f, 12.5f, 12.5f, 12.5f);
   float a_, k_, c_, x_, y_, flat_, steep_, budget_;
 };
 

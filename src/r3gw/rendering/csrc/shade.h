@@ -45,30 +45,30 @@ inline Reflectance reflectance(const float* table, Lanes cosine, Lanes roughness
   const Lanes root = square_root(held_cosine);
   const Lanes row = root * (kTableSize - 1.0f);
   const Lanes column = clamp(roughness, Lanes{}, splat(1.0f)) * (kTableSize - 1.0f);
-  Reflectance result;
+  float rows[kLanes], columns[kLanes], values[kLanes], by_cosine[kLanes], by_roughness[kLanes];
+  store(rows, row);
+  store(columns, column);
   for (int lane = 0; lane < kLanes; ++lane) {
-    const int above = std::min(static_cast<int>(row[lane]), kTableSize - 2);
-    const int left = std::min(static_cast<int>(column[lane]), kTableSize - 2);
-    const float down = row[lane] - above, right = column[lane] - left;
+    const int above = std::min(static_cast<int>(rows[lane]), kTableSize - 2);
+    const int left = std::min(static_cast<int>(columns[lane]), kTableSize - 2);
+    const float down = rows[lane] - above, right = columns[lane] - left;
     const float* corner = table + 2 * (above * kTableSize + left);
     const auto at = [&](int i) { return kF0 * corner[i] + corner[i + 1]; };
     const float top_left = at(0), top_right = at(2);
     const float low_left = at(2 * kTableSize), low_right = at(2 * kTableSize + 2);
     const float upper = top_left + right * (top_right - top_left);
     const float lower = low_left + right * (low_right - low_left);
-    result.value[lane] = upper + down * (lower - upper);
-    result.by_cosine[lane] = lower - upper;
-    result.by_roughness[lane] =
-        (1.0f - down) * (top_right - top_left) + down * (low_right - low_left);
+    values[lane] = upper + down * (lower - upper);
+    by_cosine[lane] = lower - upper;
+    by_roughness[lane] = (1.0f - down) * (top_right - top_left) + down * (low_right - low_left);
   }
   const Mask cosine_free =
       both(greater_equal(cosine, splat(kSmallestCosine)), greater_equal(splat(1.0f), cosine));
   const Mask roughness_free =
       both(greater_equal(roughness, Lanes{}), greater_equal(splat(1.0f), roughness));
   const float per_entry = kTableSize - 1.0f;
-  result.by_cosine = keep(cosine_free, result.by_cosine * (0.5f * per_entry) / root);
-  result.by_roughness = keep(roughness_free, result.by_roughness * per_entry);
-  return result;
+  return {load(values), keep(cosine_free, load(by_cosine) * (0.5f * per_entry) / root),
+          keep(roughness_free, load(by_roughness) * per_entry)};
 }
 
 // Band l of coefficient l*l + l + m.

@@ -21,17 +21,23 @@ struct Gaussian {
   Lanes mean[3], scale[3], opacity;
 };
 
+template <class Function>
+Lanes lane_by_lane(Lanes lanes, const Function& function) {
+  float values[kLanes];
+  store(values, lanes);
+  for (float& value : values) value = function(value);
+  return load(values);
+}
+
 Gaussian gaussian_at(const Sky& sky, std::int64_t first, int count) {
   Gaussian g;
   Lanes angles[2];
   load_rows(sky.angles, first, count, angles);
   load_rows(sky.log_scales, first, count, g.scale);
-  for (int lane = 0; lane < kLanes; ++lane) {
-    g.sin_theta[lane] = std::sin(angles[0][lane]);
-    g.cos_theta[lane] = std::cos(angles[0][lane]);
-    g.sin_phi[lane] = std::sin(angles[1][lane]);
-    g.cos_phi[lane] = std::cos(angles[1][lane]);
-  }
+  g.sin_theta = lane_by_lane(angles[0], [](float angle) { return std::sin(angle); });
+  g.cos_theta = lane_by_lane(angles[0], [](float angle) { return std::cos(angle); });
+  g.sin_phi = lane_by_lane(angles[1], [](float angle) { return std::sin(angle); });
+  g.cos_phi = lane_by_lane(angles[1], [](float angle) { return std::cos(angle); });
   g.direction[0] = g.sin_theta * g.sin_phi;
   g.direction[1] = -g.cos_theta;
   g.direction[2] = g.sin_theta * g.cos_phi;

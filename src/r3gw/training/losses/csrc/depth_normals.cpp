@@ -92,8 +92,10 @@ class Sweep {
     for (std::int64_t x = 0; x < width; x += kLanes) {
       const Lanes step = load(steps_.data() + kPad + x), ray = load(rays_x() + x);
       Lanes left_ray = load(rays_x() + x - 1), right_ray = load(rays_x() + x + 1);
-      if (x == 0) left_ray[0] = ray[0];
-      if (width - 1 - x < kLanes) right_ray[width - 1 - x] = ray[width - 1 - x];
+      if (x == 0) left_ray = with_lane(left_ray, 0, ray[0]);
+      if (const std::int64_t end = width - 1 - x; end < kLanes) {
+        right_ray = with_lane(right_ray, end, rays_x()[width - 1]);
+      }
       Vector from, to, down, along, crossed, normal;
       point(above, ray, load(up + x), from);
       point(below, ray, load(low + x), to);
@@ -171,8 +173,10 @@ class Sweep {
         if (y == 0) point[i] -= load(here + x);
         if (y == last) point[i] += load(here + x);
         point[i] += load(along + x - 1) - load(along + x + 1);
-        if (x == 0) point[i][0] -= along[0];
-        if (width - 1 - x < kLanes) point[i][width - 1 - x] += along[width - 1];
+        if (x == 0) point[i] = with_lane(point[i], 0, point[i][0] - along[0]);
+        if (const std::int64_t end = width - 1 - x; end < kLanes) {
+          point[i] = with_lane(point[i], end, point[i][end] + along[width - 1]);
+        }
       }
       const Lanes to_depth = load(rays_x() + x) * point[0] + ray_y(y) * point[1] + point[2];
       const std::int64_t i = y * width + x;

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "native/csrc/simd.h"
+#include "native/csrc/rows.h"
 
 namespace r3gw {
 
@@ -17,39 +17,22 @@ inline std::int64_t whole_lanes(std::int64_t count) {
   return (count + kLanes - 1) / kLanes * kLanes;
 }
 
-// Sixteen values of which `left` or fewer exist; zero beyond them.
-R3GW_INLINE Lanes load_existing(const float* source, std::int64_t left) {
-  if (left >= kLanes) return load(source);
-  Lanes value{};
-  std::memcpy(&value, source, left * sizeof(float));
-  return value;
-}
-
-R3GW_INLINE void store_existing(float* target, std::int64_t left, Lanes value) {
-  if (left >= kLanes) return store(target, value);
-  std::memcpy(target, &value, left * sizeof(float));
-}
-
 // Sixteen bytes as numbers; of them `left` or fewer exist.
-R3GW_INLINE Lanes numbers_from(const void* bytes, std::int64_t left) {
-  using Bytes = std::uint8_t __attribute__((vector_size(kLanes)));
-  Bytes values{};
-  if (left >= kLanes) {
-    std::memcpy(&values, bytes, kLanes);
-  } else {
-    std::memcpy(&values, bytes, left);
-  }
-  return __builtin_convertvector(values, Lanes);
+R3GW_INLINE Lanes existing_numbers(const void* bytes, std::int64_t left) {
+  if (left >= kLanes) return numbers_from(static_cast<const std::uint8_t*>(bytes));
+  std::uint8_t values[kLanes] = {};
+  std::memcpy(values, bytes, left);
+  return numbers_from(values);
 }
 
 // One where `flags` is true.
 R3GW_INLINE Lanes load_flags(const bool* flags, std::int64_t left) {
-  return numbers_from(flags, left);
+  return existing_numbers(flags, left);
 }
 
 // Display values in [0, 1] of bytes.
 R3GW_INLINE Lanes load_bytes(const std::uint8_t* source, std::int64_t left) {
-  return numbers_from(source, left) / 255.0f;
+  return existing_numbers(source, left) / 255.0f;
 }
 
 R3GW_INLINE Mask is_set(Lanes flag) { return greater_equal(flag, splat(0.5f)); }

@@ -61,8 +61,9 @@ R3GW_INLINE void blur_along(const float* source, std::int64_t count, float* targ
   for (std::int64_t x = 0; x < count; x += kLanes) {
     const Lanes after = load(source + x + kLanes);
     const auto at = [&](auto step) {
-      return step <= 0 ? shifted<std::min(+step, 0)>(before, here)
-                       : shifted<std::min(step - kLanes, 0)>(here, after);
+      constexpr int kStep = decltype(step)::value;
+      if constexpr (kStep <= 0) return shifted<kStep>(before, here);
+      else return shifted<kStep - kLanes>(here, after);
     };
     store(target + x, blur(at));
     before = here;
