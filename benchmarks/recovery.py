@@ -71,7 +71,7 @@ def trained(folder: Path, settings: TrainSettings, *, lights_known: bool) -> Eva
     light_model = None
     if lights_known:
         degree, truths = settings.model.light_degree, [view.truth for view in views]
-        lights = [true_light(scene_folder, truth, degree) for truth in truths if truth]
+        lights = [true_light(scene_folder, truth, degree).sh for truth in truths if truth]
         light_model = FixedLight(torch.stack(lights))
     model = initial_model(
         points,

@@ -102,7 +102,14 @@ def step(state: TrainingState, photos: list[Photo], schedule: Schedule) -> None:
     index = state.iteration % len(photos)
     late = schedule.iterations
     rendering, loss, _ = objective(
-        state.model, state.settings, photos[index], index, late, schedule, state.generator
+        state.model,
+        state.settings,
+        photos[index],
+        index,
+        late,
+        schedule,
+        state.generator,
+        state.sun_shadows,
     )
     torch.autograd.backward(loss)
     camera, gradient = photos[index].camera, rendering.means2d.grad

@@ -56,7 +56,7 @@ def test_no_outline_no_band(value):
 
 def test_shares_add_up_to_the_picture(tiny):
     evaluated, view = tiny.evaluated, tiny.view("a_0")
-    light, sky_light, _ = tiny.model.appearance(0)
+    light, sky_light = tiny.model.appearance(0)[:2]
     whole = evaluated.render(view, Light(light.detach(), LearnedSky(sky_light.detach())))
     foreground, sky = foreground_and_sky(
         tiny.model, view.camera, light.detach(), sky_light.detach()

@@ -127,7 +127,7 @@ def test_clipped_is_a_display_value_in_both_protocols(tiny, is_linear, radiance)
     entry = view.evaluation.model_copy(update={"env_map": "envmaps/bright.png", "scale": 3.0})
     light = published_light(tiny.evaluated, view, entry, is_linear=is_linear)
     expected = torch.full((3,), radiance * (4 * np.pi) ** 0.5)
-    torch.testing.assert_close(light[0], expected, rtol=1e-5, atol=0)
+    torch.testing.assert_close(light.sh[0], expected, rtol=1e-5, atol=0)
 
 
 def test_a_linear_file_is_linear_already(tiny):
@@ -137,7 +137,7 @@ def test_a_linear_file_is_linear_already(tiny):
     expected = torch.full((3,), 0.5 * (4 * np.pi) ** 0.5)
     for is_linear in (False, True):
         light = published_light(tiny.evaluated, view, entry, is_linear=is_linear)
-        torch.testing.assert_close(light[0], expected, rtol=1e-5, atol=0)
+        torch.testing.assert_close(light.sh[0], expected, rtol=1e-5, atol=0)
 
 
 def test_a_black_map_is_refused(tiny):

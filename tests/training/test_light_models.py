@@ -1,4 +1,4 @@
-"""The three light models behind one interface: described, written, started and trained alike."""
+"""All light models behind one interface: described, written, started and trained alike."""
 
 import pytest
 import torch
@@ -6,6 +6,7 @@ from support.settings import train_settings
 
 from r3gw.geometry.cameras import Camera
 from r3gw.model.initial import InitialPoints
+from r3gw.model.light_models.daylight import Daylight
 from r3gw.model.light_models.fixed import FixedLight
 from r3gw.model.light_models.free import FreeLight
 from r3gw.model.light_models.outdoor import OutdoorLight
@@ -30,6 +31,8 @@ def settings(kind: str):
         density={"first": 0, "interval": 1_000_000, "reset_interval": None},
         model={"share_session_light": kind != "free", "embedding_size": 6, "hidden_size": 8},
         outdoor={"enabled": kind == "outdoor"},
+        daylight={"enabled": kind == "daylight"},
+        occlusion={"enabled": kind == "daylight"},
     )
 
 
@@ -60,7 +63,7 @@ def model_of(kind: str):
     return initial_model(initial, NAMES, settings(kind), SESSIONS, seen, given)
 
 
-KINDS = {"free": FreeLight, "outdoor": OutdoorLight, "fixed": FixedLight}
+KINDS = {"free": FreeLight, "outdoor": OutdoorLight, "daylight": Daylight, "fixed": FixedLight}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -83,10 +86,12 @@ def test_settings_ask_for_a_light_and_every_light_has_a_training():
     rows = [(), ()]
     assert type(first_light(settings("free"), rows)) is FreeLight
     assert type(first_light(settings("outdoor"), rows)) is OutdoorLight
+    assert type(first_light(settings("daylight"), rows)) is Daylight
 
 
 @pytest.mark.parametrize(
-    ("kind", "has_loss"), [("free", True), ("outdoor", True), ("fixed", False)]
+    ("kind", "has_loss"),
+    [("free", True), ("outdoor", True), ("daylight", True), ("fixed", False)],
 )
 def test_training_moves_what_the_kind_learns(kind, has_loss):
     model = model_of(kind)
@@ -101,8 +106,9 @@ def test_training_moves_what_the_kind_learns(kind, has_loss):
     }
     assert "sky_head" in moved
     assert ("light_head" in moved) == (kind != "fixed")
-    assert ("log_exposure" in moved) == (kind == "outdoor")
-    expected = {"sun_directions", "log_sun_powers"} if kind == "outdoor" else set()
+    assert ("log_exposure" in moved) == (kind in ("outdoor", "daylight"))
+    suns = {"sun_directions", "log_sun_powers"}
+    expected = {"outdoor": suns, "daylight": suns | {"sky_colours", "sky_suns"}}.get(kind, set())
     assert own == {f"light_model.{name}" for name in expected}
     assert any("loss_light" in row for row in state.history.rows) == has_loss
 

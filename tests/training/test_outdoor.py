@@ -17,6 +17,7 @@ from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
 from r3gw.training.start import initial_model
+from r3gw.training.sun_shadows import SunShadows
 from r3gw.training.visible_sky import visible_sky
 
 WIDTH, HEIGHT = 32, 24
@@ -63,7 +64,8 @@ def test_one_step_moves_sun_and_sky_at_their_rates(settings, photo):
     bias_before = bias.detach().clone()
     optimizer = make_optimizer(model, settings)
     schedule = Schedule.of(settings)
-    _, loss, parts = objective(model, settings, photo, 0, schedule.iterations, schedule, generator)
+    last = schedule.iterations
+    _, loss, parts = objective(model, settings, photo, 0, last, schedule, generator, SunShadows())
     loss.backward()
     adam_step(optimizer)
     assert parts["light"] > 0

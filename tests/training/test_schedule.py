@@ -9,13 +9,13 @@ from r3gw.training.schedule import Schedule, scaled
 def test_the_papers_length_keeps_its_numbers():
     schedule = Schedule.of(train_settings())
     assert schedule == Schedule(
-        *(40000, 500, 2000, 500, 15000, 500, 3000, 30000, 30000, 4000, 6000), 1.0, 0
+        *(40000, 500, 2000, 500, 15000, 500, 3000, 30000, 30000, 4000, 6000, 1000), 1.0, 0
     )
 
 
 def test_a_short_run_scales_all():
     schedule = Schedule.of(train_settings(iterations=4000))
-    assert schedule == Schedule(4000, 50, 200, 50, 1500, 50, 300, 3000, 3000, 400, 600, 1.0, 0)
+    assert schedule == Schedule(4000, 50, 200, 50, 1500, 50, 300, 3000, 3000, 400, 600, 100, 1.0, 0)
 
 
 @pytest.mark.parametrize(("n", "expected"), [(0, 0), (1, 1), (500, 1), (20000, 20)])
@@ -58,3 +58,8 @@ def test_other_rates_stay_until_they_fall_log_linearly():
     assert [schedule.late_share(i, 0.01) for i in (1, 2000)] == [1.0, 1.0]
     assert schedule.late_share(3000, 0.01) == pytest.approx(0.1, rel=1e-9)
     assert schedule.late_share(4000, 0.01) == pytest.approx(0.01, rel=1e-9)
+
+
+def test_light_is_renewed_from_the_first_shadows_on():
+    schedule = Schedule.of(train_settings(iterations=4000))
+    assert [i for i in range(1, 701) if schedule.renews_light(i)] == [400, 500, 600, 700]

@@ -15,6 +15,7 @@ from r3gw.training.objective import objective
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
 from r3gw.training.start import initial_model
+from r3gw.training.sun_shadows import SunShadows
 
 WIDTH, HEIGHT = 40, 30
 WEIGHT, SOLID = 0.7, 0.3
@@ -58,13 +59,13 @@ def separation(model: SceneModel, photo: Photo) -> tuple[torch.Tensor, float]:
     schedule = Schedule.of(SETTINGS)
     assert schedule.warm_up >= 1
     generator = torch.Generator().manual_seed(0)
-    _, loss, parts = objective(model, SETTINGS, photo, 0, 1, schedule, generator)
+    _, loss, parts = objective(model, SETTINGS, photo, 0, 1, schedule, generator, SunShadows())
     return loss, parts["silhouette"]
 
 
 def plain(model: SceneModel, photo: Photo) -> torch.Tensor:
     """The foreground's opacity drawn as a colour, and `silhouette_loss` of it."""
-    light, sky_light, _ = model.appearance(0)
+    light, sky_light = model.appearance(0)[:2]
     splats = splats_of(model, photo.camera, light, sky_light)
     presence = torch.zeros(model.num_gaussians, 3)
     presence[: len(model.foreground)] = 1.0

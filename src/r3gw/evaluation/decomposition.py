@@ -143,7 +143,7 @@ def light_records(evaluated: EvaluatedScene) -> list[Record]:
         [_numpy(photographed_light(evaluated.model, view.name).sh) for view in views]
     )
     true = np.stack(
-        [_numpy(evaluated.true_light(view.truth)) for view in views if view.truth is not None]
+        [_numpy(evaluated.true_light(view.truth).sh) for view in views if view.truth is not None]
     )
     scale = scale_per_channel(learned.reshape(-1, 3), true.reshape(-1, 3))
     few = DIFFUSE_COEFFICIENTS

@@ -7,17 +7,14 @@ from pathlib import Path
 import numpy as np
 import torch
 from jaxtyping import Bool, Float
-from torch import Tensor
 
 from r3gw.evaluation.metrics import evaluation_mask
 from r3gw.imaging.files import read_rgb
 from r3gw.imaging.masks import read_mask
-from r3gw.lighting import envmap
 from r3gw.lighting.light import Light
-from r3gw.lighting.maps import light_of_map
 from r3gw.masks.folder import load_masks
 from r3gw.model.model import SceneModel
-from r3gw.rendering.compose import render
+from r3gw.rendering.compose import render, sunlight_of
 from r3gw.scene import GroundTruth, Scene, View
 
 
@@ -62,7 +59,7 @@ class EvaluatedScene:
         """
         return load_masks(self.masks_folder, view)
 
-    def true_light(self, truth: GroundTruth) -> Float[Tensor, "coeff 3"]:
+    def true_light(self, truth: GroundTruth) -> Light:
         """As the function `true_light`, in the model's degree."""
         return true_light(self.scene_folder, truth, self.light_degree)
 
@@ -74,20 +71,24 @@ class EvaluatedScene:
             view: Which camera.
             light: With a learned sky, or with none: a white one, as the published protocol asks.
         """
-        colour = render(self.model, view.camera, light.sh, light.sky_coefficients).colour
+        sunlight = sunlight_of(self.model, light.point)
+        lit = (light.sh, light.sky_coefficients)
+        colour = render(self.model, view.camera, *lit, sunlight=sunlight).colour
         return colour.clamp(0.0, 1.0).double().numpy()
 
 
-def true_light(scene_folder: Path, truth: GroundTruth, degree: int) -> Float[Tensor, "coeff 3"]:
-    """SH light of the true HDR map in the photo's own units (exposure, white balance).
+def true_light(scene_folder: Path, truth: GroundTruth, degree: int) -> Light:
+    """Light of the true HDR map in the photo's own units (exposure, white balance), without a sky.
 
     Args:
         scene_folder: Folder of scene.json.
         truth: What is known of the photo.
         degree: Highest SH band.
     """
-    radiance = _projected(scene_folder / truth.env_map, degree)
-    return radiance * truth.exposure * torch.tensor(truth.white_balance)
+    light = _projected(scene_folder / truth.env_map, degree)
+    balance = torch.tensor(truth.white_balance)
+    point = None if light.point is None else light.point.times(truth.exposure * balance)
+    return Light(light.sh * truth.exposure * balance, point=point)
 
 
 def scored_pixels(scene_folder: Path, view: View) -> Bool[np.ndarray, "h w"]:
@@ -103,5 +104,5 @@ def scored_pixels(scene_folder: Path, view: View) -> Bool[np.ndarray, "h w"]:
 
 
 @lru_cache(maxsize=64)
-def _projected(path: Path, degree: int) -> Float[Tensor, "coeff 3"]:
-    return light_of_map(envmap.read_env_map(path), degree)
+def _projected(path: Path, degree: int) -> Light:
+    return Light.from_map(path, degree=degree).with_sky(None)

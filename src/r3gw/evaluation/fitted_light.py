@@ -19,7 +19,7 @@ from r3gw.lighting.gains import sky_with_gains
 from r3gw.lighting.light import DARKEST, Light
 from r3gw.lighting.skies import LearnedSky
 from r3gw.model.model import SceneModel
-from r3gw.rendering.compose import render
+from r3gw.rendering.compose import render, sunlight_of
 
 # What a squared change of the light by its own mean radiance costs, in squared display values: with
 # an error of 0.1 over a hundred independent pixels, it expects changes of 0.3.
@@ -69,7 +69,7 @@ def _refined(model: SceneModel, target: Target, start: Light) -> Light:
     scale = max(start.strength, DARKEST)
 
     def light() -> Light:
-        shaped = Light(start.sh + scale * change, _sky(start, sky_change))
+        shaped = Light(start.sh + scale * change, _sky(start, sky_change), start.point)
         return times_gains(shaped, log_gains.exp())
 
     def loss() -> Tensor:
@@ -100,7 +100,8 @@ def times_gains(light: Light, gains: Float[Tensor, "3"]) -> Light:
     Shading is linear in the light, so gains on it are gains on the picture.
     """
     assert isinstance(light.sky, LearnedSky)  # the caller's choice
-    return Light(light.sh * gains, LearnedSky(sky_with_gains(light.sky.coefficients, gains)))
+    sky = LearnedSky(sky_with_gains(light.sky.coefficients, gains))
+    return Light(light.sh * gains, sky, None if light.point is None else light.point.times(gains))
 
 
 def _sky(start: Light, change: Float[Tensor, "4 3"]) -> LearnedSky:
@@ -114,7 +115,8 @@ def _squared_error(model: SceneModel, target: Target, light: Light) -> Float[Ten
 
 
 def _picture(model: SceneModel, target: Target, light: Light) -> Float[Tensor, "h w 3"]:
-    return render(model, target.camera, light.sh, light.sky_coefficients).colour.clamp(0.0, 1.0)
+    lit, sunlight = (light.sh, light.sky_coefficients), sunlight_of(model, light.point)
+    return render(model, target.camera, *lit, sunlight=sunlight).colour.clamp(0.0, 1.0)
 
 
 @contextmanager

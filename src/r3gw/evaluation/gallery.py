@@ -21,7 +21,7 @@ from r3gw.imaging.files import write_image
 from r3gw.imaging.pictures import bytes_from_display
 from r3gw.lighting import envmap
 from r3gw.lighting.light import Light
-from r3gw.lighting.maps import light_of_map, linear_env_map
+from r3gw.lighting.maps import linear_env_map
 from r3gw.model.lights import learned_lights, learned_strength
 from r3gw.relight.gaussians import Relightable, relightable_of
 from r3gw.relight.picture import frame
@@ -99,7 +99,7 @@ def _map_source(evaluated: EvaluatedScene) -> Source:
     if not sources:
         for photo, light in learned_lights(evaluated.model).items():
             drawn = envmap.draw(light.sh, THUMBNAIL_PX)
-            sources.append((f"light learned for {photo}", Light(light.sh), drawn))
+            sources.append((f"light learned for {photo}", light.with_sky(None), drawn))
     return max(sources, key=lambda source: _directionality(source[1].sh))
 
 
@@ -116,10 +116,10 @@ def _map_of(evaluated: EvaluatedScene, view: View) -> Source:
     if view.truth is not None:
         path = evaluated.scene_folder / view.truth.env_map
         name = f"true map of {view.session or view.name}"
-        return name, Light(evaluated.true_light(view.truth)), envmap.read_env_map(path)
+        return name, evaluated.true_light(view.truth), envmap.read_env_map(path)
     assert view.evaluation is not None  # the caller's choice
     path = evaluated.scene_folder / view.evaluation.env_map
     env_map = linear_env_map(path)
-    light = Light(light_of_map(env_map, evaluated.light_degree))
+    light = Light.from_pixels(env_map, degree=evaluated.light_degree).with_sky(None)
     exposure = light.factor_to(learned_strength(evaluated.model))
     return f"map of {view.session or view.name}", light.times(exposure), env_map

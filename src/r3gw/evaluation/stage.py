@@ -31,6 +31,7 @@ from r3gw.model.model_file import load_model
 from r3gw.relight.files.lights_file import write_lights
 from r3gw.relight.gaussians import relightable_of
 from r3gw.relight.seen import Coverage
+from r3gw.rendering.compose import sunlight_of
 from r3gw.rendering.surfaces import foreground_and_sky, surfaces_of
 from r3gw.scene import View, load_scene
 from r3gw.scene.selection import evenly
@@ -134,7 +135,11 @@ def _write_parts(evaluated: EvaluatedScene, view: View, outcome: Outcome, folder
     albedo = np.where(is_surface[..., None], display_array_from_linear(surfaces.albedo), 1.0)
     light = outcome.light
     foreground, sky = foreground_and_sky(
-        evaluated.model, view.camera, light.sh, light.sky_coefficients
+        evaluated.model,
+        view.camera,
+        light.sh,
+        light.sky_coefficients,
+        sunlight_of(evaluated.model, light.point),
     )
     parts = {
         "albedo": bytes_from_display(albedo),

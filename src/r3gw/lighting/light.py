@@ -11,8 +11,10 @@ from torch import Tensor
 from r3gw.files import InputError
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.lighting.maps import light_of_map, linear_env_map
+from r3gw.lighting.sh import degree_of
 from r3gw.lighting.sh_rotation import rotate
 from r3gw.lighting.skies import LearnedSky, MapSky, Sky
+from r3gw.lighting.sun import PointSun, sun_of_map
 
 DEGREE = 4  # The paper's, of environment light.
 DARKEST = 1e-6  # Least strength that an exposure is reckoned from.
@@ -28,10 +30,12 @@ class Light:
     Attributes:
         sh: Spherical-harmonics coefficients of the linear radiance (r3gw.lighting.sh).
         sky: What is seen behind the scene; None is paper white under every tone curve.
+        point: What of it comes from one direction, where that is known; the SH hold it, too.
     """
 
     sh: Float[Tensor, "coeff 3"]
     sky: Sky | None = None
+    point: PointSun | None = None
 
     @staticmethod
     def from_map(path: str | Path, *, degree: int = DEGREE) -> "Light":
@@ -49,7 +53,7 @@ class Light:
     @staticmethod
     def from_pixels(pixels: Float[Tensor, "h w 3"], *, degree: int = DEGREE) -> "Light":
         """The light of a linear environment map (r3gw.lighting.envmap), with the map as the sky."""
-        return Light(light_of_map(pixels, degree), MapSky(pixels))
+        return Light(light_of_map(pixels, degree), MapSky(pixels), sun_of_map(pixels))
 
     @staticmethod
     def sun(
@@ -87,6 +91,13 @@ class Light:
         return self.sky.coefficients
 
     @property
+    def sh_beside_point(self) -> Float[Tensor, "coeff 3"]:
+        """The SH light without the part that comes from one direction."""
+        if self.point is None:
+            return self.sh
+        return self.sh - self.point.sh(degree_of(len(self.sh)))
+
+    @property
     def strength(self) -> float:
         """Mean over channels of the constant coefficient: proportional to the mean radiance."""
         return float(self.sh[0].mean())
@@ -98,18 +109,22 @@ class Light:
     def rotated(self, rotation: Float[Tensor, "3 3"]) -> "Light":
         """Light and sky that shine from ``rotation @ d`` as these do from ``d``."""
         sky = None if self.sky is None else self.sky.rotated(rotation)
-        return Light(rotate(self.sh, rotation), sky)
+        point = None if self.point is None else self.point.rotated(rotation)
+        return Light(rotate(self.sh, rotation), sky, point)
 
     def times(self, factor: float) -> "Light":
         """Light and sky multiplied: an exposure."""
-        return Light(factor * self.sh, None if self.sky is None else self.sky.times(factor))
+        sky = None if self.sky is None else self.sky.times(factor)
+        return Light(
+            factor * self.sh, sky, None if self.point is None else self.point.times(factor)
+        )
 
     def factor_to(self, strength: float) -> float:
         """The exposure that brings this light to a `strength`."""
         return strength / max(self.strength, DARKEST)
 
     def blended(self, other: "Light", weight: float) -> "Light":
-        """A mixture of two learned lights and their skies.
+        """A mixture of two learned lights and their skies; a sun of both walks across the sky.
 
         Args:
             other: The other light.
@@ -123,7 +138,12 @@ class Light:
             raise InputError("only learned lights with their own skies can be blended")
         exposure = (1 - weight) * self.sky.exposure + weight * other.sky.exposure
         sky = torch.lerp(self.sky.coefficients, other.sky.coefficients, weight)
-        return Light(torch.lerp(self.sh, other.sh, weight), LearnedSky(sky, exposure))
+        mixed = LearnedSky(sky, exposure)
+        if self.point is None or other.point is None:
+            return Light(torch.lerp(self.sh, other.sh, weight), mixed)
+        point = self.point.towards(other.point, weight)
+        rest = torch.lerp(self.sh_beside_point, other.sh_beside_point, weight)
+        return Light(rest + point.sh(degree_of(len(rest))), mixed, point)
 
     def with_sky(self, sky: Sky | None) -> "Light":
         """The same light before another sky; None is white."""

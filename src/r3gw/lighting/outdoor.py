@@ -43,6 +43,20 @@ def outdoor_light(
     return from_sky @ sky + sun + from_ground[:, None] * ground
 
 
+def ground_light(
+    irradiance: Float[Tensor, "3"], ground_reflectance: float, degree: int
+) -> Float[Tensor, "coeff 3"]:
+    """SH light of level, matt ground.
+
+    Args:
+        irradiance: Of the ground.
+        ground_reflectance: 0 to 1.
+        degree: SH degree of the light.
+    """
+    from_ground = _half_spheres(degree)[1].to(irradiance)
+    return from_ground[:, None] * (ground_reflectance / pi * irradiance)
+
+
 def basis_of_one(direction: Float[Tensor, "3"], degree: int) -> Float[Tensor, "coeff"]:
     """`sh.basis` of one unit vector in a few operations, where that takes over a hundred.
 

@@ -10,8 +10,9 @@ from torch import Tensor, nn
 
 from r3gw.lighting import sh
 from r3gw.lighting.gains import sky_with_gains
+from r3gw.lighting.sun import PointSun
 from r3gw.model.description import ModelDescription
-from r3gw.model.light_models.base import LightModel, OpenSky
+from r3gw.model.light_models.base import DaySky, LightModel, OpenSky
 from r3gw.model.sky import SKY_DEGREE
 from r3gw.native import kernels, ops
 
@@ -26,11 +27,13 @@ class PhotoLight(NamedTuple):
         light: SH environment light, linear.
         sky_light: Coefficients of the sky's colour (Eq. 11).
         open_sky: What lies above the horizon, where that is modelled on its own.
+        sun: The sun, where surfaces are shaded with it and not with its SH.
     """
 
     light: Float[Tensor, "coeff 3"]
     sky_light: Float[Tensor, "4 3"]
-    open_sky: OpenSky | None
+    open_sky: OpenSky | DaySky | None
+    sun: PointSun | None = None
 
 
 class Appearance(nn.Module):
@@ -106,10 +109,9 @@ class Appearance(nn.Module):
         if self.log_gains is None:
             return lit
         gains = self.gains()[photo]
-        open_sky = None
-        if lit.open_sky is not None:
-            open_sky = lit.open_sky._replace(radiance=lit.open_sky.radiance * gains)
-        return PhotoLight(lit.light * gains, sky_with_gains(lit.sky_light, gains), open_sky)
+        open_sky = None if lit.open_sky is None else lit.open_sky.times(gains)
+        sun = None if lit.sun is None else lit.sun.times(gains)
+        return PhotoLight(lit.light * gains, sky_with_gains(lit.sky_light, gains), open_sky, sun)
 
     def gains(self) -> Float[Tensor, "photos 3"]:
         """Exposure times white balance of every photo; their geometric mean over photos is 1.
@@ -125,8 +127,8 @@ class Appearance(nn.Module):
         row = self.rows[photo]
         learned, sky_light = self._coefficients(row)
         exposure = None if self.log_exposure is None else self.log_exposure[photo].exp()
-        light, open_sky = self.light_model.environment(photo, row, learned, exposure)
-        return PhotoLight(light, sky_light, open_sky)
+        light, open_sky, sun = self.light_model.environment(photo, row, learned, exposure)
+        return PhotoLight(light, sky_light, open_sky, sun)
 
     def _coefficients(self, row: int) -> tuple[Float[Tensor, "coeff 3"], Float[Tensor, "4 3"]]:
         """What the MLP gives for an embedding, by a kernel or plainly: the light, and the sky's."""

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field, model_serializer
 
 from r3gw.files.strict import Strict
+from r3gw.model.light_models.daylight import DaylightDescription
 from r3gw.model.light_models.fixed import FixedDescription
 from r3gw.model.light_models.free import FreeDescription
 from r3gw.model.light_models.outdoor import OutdoorDescription
@@ -17,7 +18,8 @@ from r3gw.model.limits import LARGEST_LAYER
 
 LayerSize = Annotated[int, Field(ge=1, le=LARGEST_LAYER)]
 LightDescription = Annotated[
-    FreeDescription | OutdoorDescription | FixedDescription, Field(discriminator="kind")
+    FreeDescription | OutdoorDescription | DaylightDescription | FixedDescription,
+    Field(discriminator="kind"),
 ]
 
 
@@ -54,6 +56,21 @@ class ModelDescription(Strict):
     def light_degree(self) -> int:
         """SH degree of every light that falls on the scene."""
         return self.light.degree
+
+    @property
+    def has_point_sun(self) -> bool:
+        """Whether surfaces are shaded with a light's sun itself, where it has one."""
+        return isinstance(self.light, DaylightDescription)
+
+    @property
+    def sun_bounce(self) -> float:
+        """Of a point sun's irradiance, what surfaces get from others that stand in it."""
+        return self.light.sun_bounce if isinstance(self.light, DaylightDescription) else 0.0
+
+    @property
+    def sharp(self) -> float:
+        """Share of a point sun that is shaded as such; the rest stays in the SH light."""
+        return self.light.sharp if isinstance(self.light, DaylightDescription) else 1.0
 
 
 def light_rows(sessions: Sequence[str], share_session_light: bool) -> list[int]:

@@ -16,7 +16,7 @@ def photo_light(model: SceneModel, photo: str) -> Light:
         InputError: If the model was not trained on the photo.
     """
     lit = model.appearance.scene_light(_index(model, photo))
-    return Light(lit.light, LearnedSky(lit.sky_light))
+    return Light(lit.light, LearnedSky(lit.sky_light), lit.sun)
 
 
 @torch.no_grad()
@@ -27,7 +27,7 @@ def photographed_light(model: SceneModel, photo: str) -> Light:
         InputError: If the model was not trained on the photo.
     """
     lit = model.appearance(_index(model, photo))
-    return Light(lit.light, LearnedSky(lit.sky_light))
+    return Light(lit.light, LearnedSky(lit.sky_light), lit.sun)
 
 
 def _index(model: SceneModel, photo: str) -> int:

@@ -9,6 +9,7 @@ from r3gw.lighting.light import Light
 from r3gw.relight.files.ply import Baked
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.picture import foreground_values, sky_values
+from r3gw.relight.sunlit import colours_in_sun_and_shade, reaches, sun_on
 from r3gw.relight.tone import Curve
 from r3gw.rendering.cook_torrance import face_camera
 
@@ -18,15 +19,19 @@ def bake(gaussians: Relightable, cameras: list[Camera], light: Light, curve: Cur
     """Mean, over the cameras, of the colour in which each one sees each Gaussian.
 
     The mean is the constant colour with the least squared error over these cameras. With one
-    camera, its picture is exact. Normals are turned to the cameras' middle.
+    camera, its picture is exact, but for a sun's shadows, which are as sharp as Gaussians are
+    small. Normals are turned to the cameras' middle.
     """
     total = torch.zeros(len(gaussians.means), 3)
+    sun = sun_on(gaussians, light)
+    lit = None if sun is None else reaches(gaussians, cameras, sun)[:, None]
     for camera in cameras:
-        parts = [
-            foreground_values(gaussians, camera.centre, light, curve),
-            sky_values(gaussians, camera.centre, light, curve),
-        ]
-        total += torch.cat(parts)
+        if sun is None or lit is None:
+            foreground = foreground_values(gaussians, camera.centre, light, curve)
+        else:
+            both = colours_in_sun_and_shade(gaussians, camera.centre, light, sun, curve)
+            foreground = torch.lerp(both[1], both[0], lit)
+        total += torch.cat([foreground, sky_values(gaussians, camera.centre, light, curve)])
     middle = torch.stack([camera.centre for camera in cameras]).mean(dim=0)
     return Baked((total / len(cameras)).clamp(0.0, 1.0), _normals(gaussians, middle))
 

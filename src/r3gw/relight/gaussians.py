@@ -43,6 +43,9 @@ class Relightable:
         with_specular: Whether the scene reflects.
         occlusion: What shadows take from the irradiance of each foreground Gaussian, as SH
             transfer; None where the scene models none (r3gw.model.occlusion).
+        has_point_sun: Whether it is shaded with a light's sun itself, where there is one.
+        sun_bounce: See `r3gw.rendering.sunlight.bounced_irradiance`.
+        sharp: Share of the sun that is shaded as such; the rest stays in the SH light.
         origin: Where the scene came from, for messages: a file's path.
     """
 
@@ -56,6 +59,9 @@ class Relightable:
     light_degree: int
     with_specular: bool
     occlusion: Float[Tensor, "f transfer"] | None = None
+    has_point_sun: bool = False
+    sun_bounce: float = 0.0
+    sharp: float = 1.0
     origin: str = "the scene"
 
     @property
@@ -142,5 +148,8 @@ def relightable_of(model: SceneModel, origin: str = "the model") -> Relightable:
         light_degree=model.description.light_degree,
         with_specular=model.description.specular,
         occlusion=foreground.values.get(OCCLUSION),
+        has_point_sun=model.description.has_point_sun,
+        sun_bounce=model.description.sun_bounce,
+        sharp=model.description.sharp,
         origin=origin,
     )

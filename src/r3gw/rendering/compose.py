@@ -1,16 +1,33 @@
-"""One rendering pass over both sets of Gaussians: colours, depth, normals, each set by itself."""
+"""One rendering pass over both sets of Gaussians: colours, depth, normals, each set by itself.
+
+A sun makes it two sets of colours in one pass: with and without it.
+"""
 
 from dataclasses import dataclass
 
+import torch
 from jaxtyping import Float
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
+from r3gw.lighting.sh import degree_of
+from r3gw.lighting.sun import PointSun
 from r3gw.model.model import SceneModel
-from r3gw.raster import rasterize
-from r3gw.rendering.channels import COLOUR, DEPTH, FOREGROUND, NORMAL, NUM_LEARNED, Layers
+from r3gw.model.rows import OCCLUSION
+from r3gw.raster import RasterResult, rasterize
+from r3gw.rendering.channels import (
+    COLOUR,
+    DEPTH,
+    FOREGROUND,
+    NORMAL,
+    NUM_CHANNELS,
+    NUM_LEARNED,
+    Layers,
+)
 from r3gw.rendering.splat_set import Splats
 from r3gw.rendering.splats import splats_of
+from r3gw.rendering.sun_shadow import SunShadow, shadow_in
+from r3gw.rendering.sunlight import bounced_irradiance, direct_irradiance
 
 SMALLEST_ALPHA = 1e-6
 
@@ -61,38 +78,129 @@ class Rendering:
         return self.planes[FOREGROUND]
 
 
+@dataclass(frozen=True, eq=False)
+class Sunlight:
+    """A sun, and who stands in it.
+
+    Attributes:
+        sun: The sun; the light that it goes with holds it, too.
+        shadow: The scene as it sees it; None where nothing stands in it.
+    """
+
+    sun: PointSun
+    shadow: SunShadow | None
+
+
+def sunlight_of(model: SceneModel, sun: PointSun | None) -> Sunlight | None:
+    """A light's sun with its shadows; None where the model shades by SH alone, or it has none."""
+    if sun is None or not model.description.has_point_sun:
+        return None
+    return Sunlight(sun.times(model.description.sharp), shadow_in(model, sun.direction))
+
+
 def render(
     model: SceneModel,
     camera: Camera,
     light: Float[Tensor, "coeff 3"],
     sky_light: Float[Tensor, "4 3"] | None,
     layers: Layers = Layers.COLOUR,
+    sunlight: Sunlight | None = None,
 ) -> Rendering:
     """Render the scene.
 
     Args:
         model: The scene.
         camera: Where from.
-        light: SH environment light, linear.
+        light: SH environment light, linear; all of it.
         sky_light: Sky coefficients (Eq. 11); None paints the sky white, as the protocol of
             test views does.
         layers: What the two sets' own channels hold.
+        sunlight: The part of the light that is shaded as a sun; None shades all of it by SH.
     """
-    return draw(splats_of(model, camera, light, sky_light, layers), camera)
+    in_sun, in_shade = shaded_splats(model, camera, light, sky_light, layers, sunlight)
+    return drawn(in_sun, in_shade, camera, sunlight)
+
+
+def shaded_splats(
+    model: SceneModel,
+    camera: Camera,
+    light: Float[Tensor, "coeff 3"],
+    sky_light: Float[Tensor, "4 3"] | None,
+    layers: Layers = Layers.COLOUR,
+    sunlight: Sunlight | None = None,
+) -> tuple[Splats, Float[Tensor, "n 3"] | None]:
+    """All Gaussians as if the sun reached them, and their colours without it.
+
+    Arguments are those of `render`; the second is None where nothing stands in a sun.
+    """
+    if sunlight is None:
+        return splats_of(model, camera, light, sky_light, layers), None
+    sun, foreground = sunlight.sun, model.foreground
+    rest = light - sun.sh(degree_of(len(light)))
+    direct, bounced = direct_irradiance(model, camera, sun), None
+    if OCCLUSION in foreground:
+        bounced = bounced_irradiance(foreground[OCCLUSION], sun, model.description.sun_bounce)
+        direct = direct + bounced
+    in_sun = splats_of(model, camera, rest, sky_light, layers, direct)
+    if sunlight.shadow is None:
+        return in_sun, None
+    return in_sun, splats_of(model, camera, rest, sky_light, layers, bounced).colours
+
+
+def drawn(
+    in_sun: Splats,
+    in_shade: Float[Tensor, "n 3"] | None,
+    camera: Camera,
+    sunlight: Sunlight | None,
+) -> Rendering:
+    """Composite what `shaded_splats` gives."""
+    if in_shade is None or sunlight is None or sunlight.shadow is None:
+        return draw(in_sun, camera)
+    return draw_in_sun(in_sun, in_shade, camera, sunlight.shadow)
 
 
 def draw(splats: Splats, camera: Camera) -> Rendering:
     """Composite Gaussians with everything that the losses need."""
-    result = rasterize(
+    result = _rasterized(splats, splats.features, camera)
+    return Rendering(result.planes, result.alpha, result.radii_px, result.means2d, splats)
+
+
+def draw_in_sun(
+    in_sun: Splats, in_shade: Float[Tensor, "n 3"], camera: Camera, shadow: SunShadow
+) -> Rendering:
+    """As `draw`, with shadows pixel by pixel.
+
+    Colours of the sunlit and of the shaded scene are composited side by side, and every pixel takes
+    as much of the former as the sun reaches what it shows. So an edge of a shadow may cross a
+    Gaussian.
+
+    Args:
+        in_sun: All Gaussians, as if the sun reached them.
+        in_shade: Their colours without it.
+        camera: The view.
+        shadow: Who stands in the sun; no gradient goes there.
+    """
+    width = COLOUR.stop
+    features = torch.cat([in_shade, in_sun.features], dim=-1)
+    result = _rasterized(in_sun, features, camera)
+    in_shade_planes, planes = result.planes[:width], result.planes[width:]
+    depth = planes[DEPTH] / result.alpha.clamp_min(SMALLEST_ALPHA)
+    colour = torch.lerp(in_shade_planes, planes[COLOUR], shadow.seen_from(camera, depth))
+    planes = torch.cat([colour, planes[width:]])
+    return Rendering(planes, result.alpha, result.radii_px, result.means2d, in_sun)
+
+
+def _rasterized(splats: Splats, features: Float[Tensor, "n c"], camera: Camera) -> RasterResult:
+    """Composite features of Gaussians, the last columns being those that learn nothing."""
+    return rasterize(
         splats.means,
         splats.quaternions,
         splats.scales,
         splats.opacities,
-        splats.features,
+        features,
         camera.cam_from_world.to(splats.means),
         camera.intrinsics,
         camera.width,
         camera.height,
-        num_feature_gradients=NUM_LEARNED,
+        num_feature_gradients=features.shape[1] - NUM_CHANNELS + NUM_LEARNED,
     )
-    return Rendering(result.planes, result.alpha, result.radii_px, result.means2d, splats)

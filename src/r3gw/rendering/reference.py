@@ -14,7 +14,7 @@ from r3gw.model.attributes import LOG_SCALES, OPACITY, materials_of
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import CHANNELS, Layers
 from r3gw.rendering.cook_torrance import face_camera, shade
-from r3gw.rendering.splat_set import Splats, shadow_of
+from r3gw.rendering.splat_set import Splats, irradiance_beside
 
 
 def splats_of(
@@ -23,6 +23,7 @@ def splats_of(
     light: Float[Tensor, "coeff 3"],
     sky_light: Float[Tensor, "4 3"] | None,
     layers: Layers = Layers.COLOUR,
+    direct: Float[Tensor, "f 3"] | None = None,
 ) -> Splats:
     """As `r3gw.rendering.splats.splats_of`."""
     foreground, sky = model.foreground, model.sky
@@ -35,9 +36,9 @@ def splats_of(
     linear = shade(
         normals, to_camera, **materials, light=light, with_specular=model.description.specular
     )
-    shadow = shadow_of(foreground, light)
-    if shadow is not None:
-        linear = linear + materials["albedo"] * shadow / pi
+    beside = irradiance_beside(foreground, light, direct)
+    if beside is not None:
+        linear = linear + materials["albedo"] * beside / pi
     colours = display_from_linear(linear)
     if sky_light is None:
         sky_colours = torch.ones_like(means[len(foreground) :])

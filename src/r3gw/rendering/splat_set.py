@@ -45,6 +45,17 @@ class Splats:
         return replace(self, features=torch.cat([before, colours, after], dim=-1))
 
 
-def shadow_of(rows: Rows, light: Float[Tensor, "coeff 3"]) -> Float[Tensor, "f 3"] | None:
-    """What shadows change in the irradiance of each foreground Gaussian; None without shadows."""
-    return rows[OCCLUSION][:, : len(light)] @ light if OCCLUSION in rows else None
+def irradiance_beside(
+    rows: Rows, light: Float[Tensor, "coeff 3"], direct: Float[Tensor, "f 3"] | None
+) -> Float[Tensor, "f 3"] | None:
+    """Irradiance of each foreground Gaussian beside that of the unshaded light; None for none.
+
+    Args:
+        rows: The foreground.
+        light: Of which shadows take a part.
+        direct: What comes from elsewhere; None for nothing.
+    """
+    if OCCLUSION not in rows:
+        return direct
+    shadow = rows[OCCLUSION][:, : len(light)] @ light
+    return shadow if direct is None else shadow + direct

@@ -14,7 +14,7 @@ from r3gw.native import kernels, ops
 from r3gw.rendering import reference
 from r3gw.rendering.brdf_table import brdf_table
 from r3gw.rendering.channels import Layers
-from r3gw.rendering.splat_set import Splats, shadow_of
+from r3gw.rendering.splat_set import Splats, irradiance_beside
 
 COEFFICIENTS = (9, 25)  # SH degree 2 and 4: what shading kernels are compiled for.
 
@@ -25,6 +25,7 @@ def splats_of(
     light: Float[Tensor, "coeff 3"],
     sky_light: Float[Tensor, "4 3"] | None,
     layers: Layers = Layers.COLOUR,
+    direct: Float[Tensor, "f 3"] | None = None,
 ) -> Splats:
     """Activate, shade and colour all Gaussians of a model as a camera sees them.
 
@@ -37,15 +38,16 @@ def splats_of(
         light: SH environment light, linear.
         sky_light: Sky coefficients (Eq. 11); None paints the sky white.
         layers: What the channels ``foreground`` and ``sky`` hold.
+        direct: Irradiance of the foreground by what is not in the light, such as a sun.
     """
     foreground, sky = model.foreground, model.sky
     is_compiled = len(light) in COEFFICIENTS
     if not (is_compiled and kernels.take("splats", foreground["means"], light)):
-        return reference.splats_of(model, camera, light, sky_light, layers)
+        return reference.splats_of(model, camera, light, sky_light, layers, direct)
     rows = ops.splats(
         ops.ForegroundRows(
             **{attribute.name: foreground[attribute.name] for attribute in FOREGROUND},
-            shadow=shadow_of(foreground, light),
+            shadow=irradiance_beside(foreground, light, direct),
         ),
         ops.SkyRows(
             **{attribute.name: sky.rows[attribute.name] for attribute in SKY},

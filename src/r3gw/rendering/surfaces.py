@@ -12,7 +12,7 @@ from r3gw.lighting import sh
 from r3gw.model.attributes import ALBEDO
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
-from r3gw.rendering.compose import SMALLEST_ALPHA, draw
+from r3gw.rendering.compose import SMALLEST_ALPHA, Sunlight, draw, drawn, shaded_splats
 from r3gw.rendering.splats import splats_of
 
 
@@ -62,6 +62,7 @@ def foreground_and_sky(
     camera: Camera,
     light: Float[Tensor, "coeff 3"],
     sky_light: Float[Tensor, "skycoeff 3"] | None,
+    sunlight: Sunlight | None = None,
 ) -> tuple[Float[np.ndarray, "h w 3"], Float[np.ndarray, "h w 3"]]:
     """The foreground's and the sky's share of a picture, on black; they add up to it.
 
@@ -70,13 +71,15 @@ def foreground_and_sky(
         camera: Where from.
         light: SH environment light.
         sky_light: Sky coefficients; None paints the sky white.
+        sunlight: The part of the light that is shaded as a sun.
     """
-    splats = splats_of(model, camera, light, sky_light)
-    colours = splats.colours
+    in_sun, in_shade = shaded_splats(model, camera, light, sky_light, sunlight=sunlight)
+    colours = in_sun.colours
     rows = torch.arange(len(colours), device=colours.device)[:, None]
     is_foreground = rows < len(model.foreground)
     shares = []
     for is_shown in (is_foreground, ~is_foreground):
-        shown = draw(splats.with_colours(colours * is_shown), camera)
-        shares.append(_array(shown.colour))
+        alone = in_sun.with_colours(colours * is_shown)
+        shade = None if in_shade is None else in_shade * is_shown
+        shares.append(_array(drawn(alone, shade, camera, sunlight).colour))
     return shares[0], shares[1]

@@ -38,6 +38,7 @@ _METHODS = {
         "r3gw, constant densification threshold", "constant densification threshold", ABLATION
     ),
     "r3gw_plus": Method("r3gw_plus", "r3gw_plus", BEYOND),
+    "r3gw_sun": Method("r3gw_sun", "r3gw_sun", BEYOND),
 }
 RECOMMENDED = "r3gw_plus"
 _GROUPS = (PAPER, ABLATION, BEYOND, OWN)

@@ -26,6 +26,7 @@ from r3gw.training.health import require_finite_parameters
 from r3gw.training.run_digest import run_digest
 from r3gw.training.settings import TrainSettings
 from r3gw.training.state import TrainingState, first_state
+from r3gw.training.sun_shadows import SunShadows
 
 log = logging.getLogger(__name__)
 
@@ -33,7 +34,7 @@ INTERVAL_S = 300.0
 WHAT = "checkpoint of r3gw"
 # What a file of another form makes Python raise.
 WRONG_FORM = (KeyError, TypeError, ValueError, RuntimeError, IndexError, AttributeError)
-MODEL, OPTIMIZER = "model.", "optimizer."
+MODEL, OPTIMIZER, SUN_SHADOWS = "model.", "optimizer.", "sun_shadow."
 STATISTICS = ("statistics.total", "statistics.views")
 GENERATORS = ("generator", "dropout")
 MOMENTS = ("step", "exp_avg", "exp_avg_sq")
@@ -118,6 +119,8 @@ def _tensors(state: TrainingState) -> dict[str, Tensor]:
     for index, parameter in enumerate(_parameters(state)):
         for key, value in state.optimizer.state.get(parameter, {}).items():
             tensors[f"{OPTIMIZER}{index}.{key}"] = value
+    for name, value in state.sun_shadows.tensors().items():
+        tensors[f"{SUN_SHADOWS}{name}"] = value
     statistics = (state.statistics.total, state.statistics.views)
     generators = (state.generator.get_state(), torch.get_rng_state())
     pairs = zip((*STATISTICS, *GENERATORS), (*statistics, *generators), strict=True)
@@ -132,6 +135,7 @@ def _record(state: TrainingState) -> dict[str, Any]:
         "history": state.history.rows,
         "seconds": state.history.seconds(),
         "notes": state.notes,
+        "sun_shadows": state.sun_shadows.record(),
     }
 
 
@@ -139,8 +143,7 @@ def _state(
     tensors: Mapping[str, Tensor], record: Mapping[str, Any], settings: TrainSettings, source: str
 ) -> TrainingState:
     """Invert `_tensors` and `_record`; raises one of `WRONG_FORM` if they do not fit."""
-    arrays = {k.removeprefix(MODEL): v for k, v in tensors.items() if k.startswith(MODEL)}
-    model = model_from(arrays, model_record_from(record["model"], source), source)
+    model = model_from(_part(tensors, MODEL), model_record_from(record["model"], source), source)
     state = first_state(model, settings)
     for index, parameter in enumerate(_parameters(state)):
         saved = {key: tensors.get(f"{OPTIMIZER}{index}.{key}") for key in MOMENTS}
@@ -150,10 +153,15 @@ def _state(
     state.order.left = [int(index) for index in record["order"]]
     state.history.resume(list(record["history"]), float(record["seconds"]))
     state.notes = dict(record["notes"])
+    state.sun_shadows = SunShadows.restored(_part(tensors, SUN_SHADOWS), record["sun_shadows"])
     state.iteration = int(record["iteration"])
     state.generator.set_state(tensors[GENERATORS[0]])
     torch.set_rng_state(tensors[GENERATORS[1]])
     return state
+
+
+def _part(tensors: Mapping[str, Tensor], prefix: str) -> dict[str, Tensor]:
+    return {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
 
 
 def _parameters(state: TrainingState) -> list[Tensor]:

@@ -24,6 +24,7 @@ from r3gw.training.health import (
     require_finite_parameters,
     watch_counts,
 )
+from r3gw.training.lights.kinds import renew_light
 from r3gw.training.objective import objective
 from r3gw.training.optimizer import adam_step, set_rates
 from r3gw.training.photos import Photo, camera_extent
@@ -114,9 +115,12 @@ def step(
     set_rates(state.optimizer, settings.rates, schedule, iteration)
     index = state.order.next(state.generator)
     photo = sizes.photo(index, iteration)
+    if schedule.renews_light(iteration):
+        seen_skies = [photo.seen_sky for photo in sizes.photos]
+        renew_light(model.appearance, seen_skies)
     try:
         rendering, loss, parts = objective(
-            model, settings, photo, index, iteration, schedule, state.generator
+            model, settings, photo, index, iteration, schedule, state.generator, state.sun_shadows
         )
     except ValueError as error:
         raise diverged_in_rendering(state, photo, error) from error

@@ -8,8 +8,7 @@ from torch import Tensor
 
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
-from r3gw.rendering.compose import Rendering, draw
-from r3gw.rendering.splats import splats_of
+from r3gw.rendering.compose import Rendering, drawn, shaded_splats
 from r3gw.training.dropping import dropped, share_at
 from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
@@ -20,6 +19,7 @@ from r3gw.training.losses.weighted import sum_of, value_of
 from r3gw.training.photos import Photo
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
+from r3gw.training.sun_shadows import SunShadows
 
 
 def objective(
@@ -30,6 +30,7 @@ def objective(
     iteration: int,
     schedule: Schedule,
     generator: torch.Generator,
+    sun_shadows: SunShadows,
 ) -> tuple[Rendering, Float[Tensor, ""], dict[str, float]]:
     """Render a training photo; return the loss and its weighted parts that are active now.
 
@@ -41,15 +42,21 @@ def objective(
         iteration: Counts from 1.
         schedule: Says which losses act.
         generator: Draws light noise, directions of the positivity loss, and dropped Gaussians.
+        sun_shadows: Those that were cast a short while ago; changed in place.
     """
     losses = FORMS[settings.losses]
     lit = model.appearance(index)
     noise = torch.randn(lit.light.shape, generator=generator)
     noisy = torch.add(lit.light, noise.to(lit.light), alpha=settings.model.light_noise)
     layers = Layers.OPACITY if settings.silhouette.enabled else Layers.COLOUR
-    splats = splats_of(model, photo.camera, noisy, lit.sky_light, layers)
+    sunlight = None
+    if lit.sun is not None:
+        row = model.appearance.rows[index]
+        sunlight = sun_shadows.of(model, row, lit.sun, iteration, schedule)
+    splats, in_shade = shaded_splats(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
     share = share_at(iteration, settings.iterations, settings.dropping.share)
-    rendering = draw(dropped(splats, share, generator), photo.camera)
+    seen = dropped(splats, share, generator)
+    rendering = drawn(seen, in_shade, photo.camera, sunlight)
     acting = acting_weights(settings, schedule, iteration)
     pixels = losses.picture(
         rendering.planes,

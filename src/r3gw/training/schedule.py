@@ -31,6 +31,7 @@ class Schedule:
     rates_fall_from: int
     occlusion_first: int
     occlusion_interval: int
+    shadow_age: int
     smallest_photo: float
     photos_whole_from: int
 
@@ -54,6 +55,7 @@ class Schedule:
             rates_fall_from=own(settings.rates.late_from),
             occlusion_first=own(occlusion.first),
             occlusion_interval=own(occlusion.interval),
+            shadow_age=own(settings.daylight.shadow_age),
             smallest_photo=settings.resolution.smallest,
             photos_whole_from=own(settings.resolution.whole_from),
         )
@@ -91,6 +93,11 @@ class Schedule:
         since = iteration - self.occlusion_first
         is_due = since >= 0 and since % self.occlusion_interval == 0
         return is_due or iteration == self.iterations
+
+    def renews_light(self, iteration: int) -> bool:
+        """Whether what is computed of the light is set anew before this iteration."""
+        is_due = (iteration - self.occlusion_first) % self.shadow_age == 0
+        return is_due and iteration >= self.occlusion_first
 
     def density_progress(self, iteration: int) -> float:
         """Share of the densification period that has passed, 0 to 1."""

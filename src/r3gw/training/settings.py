@@ -127,6 +127,24 @@ class OutdoorSettings(Strict):
     sky_gradient: float = Field(ge=0)
 
 
+class DaylightSettings(Strict):
+    """A point sun under the CIE's skies, over the ground of `OutdoorSettings`; not in the paper.
+
+    Attributes:
+        enabled: Whether light is made of them. The other settings of sun, ground and sky are
+            those of ``outdoor``, whose own switch does not matter then.
+        sun_bounce: Of the sun's irradiance, what a surface gets from others that stand in the sun,
+            where they hide all of the sky.
+        sharp: Share of the sun whose shadows are sharp; the rest is shaded by its SH.
+        shadow_age: Iterations after which shadows are cast anew.
+    """
+
+    enabled: bool
+    sun_bounce: float = Field(ge=0, le=1)
+    sharp: float = Field(ge=0, le=1)
+    shadow_age: int = Field(ge=1)
+
+
 class GainsSettings(Strict):
     """Exposure and white balance of each photo, apart from its light; not in the paper.
 
@@ -186,6 +204,7 @@ class TrainSettings(Strict):
     silhouette: SilhouetteSettings
     occlusion: OcclusionSettings
     outdoor: OutdoorSettings
+    daylight: DaylightSettings
     unseen: UnseenSettings
     gains: GainsSettings
     dropping: DroppingSettings

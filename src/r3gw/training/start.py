@@ -13,10 +13,9 @@ from r3gw.model.light_models.base import LightModel
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION
 from r3gw.model.sky import initial_sky
-from r3gw.training.lights.base import Seen
 from r3gw.training.lights.kinds import first_light
 from r3gw.training.settings import TrainSettings
-from r3gw.training.visible_sky import VisibleSky
+from r3gw.training.visible_sky import VisibleSky, seen_by_row
 
 
 def initial_model(
@@ -45,7 +44,7 @@ def initial_model(
         angles = angles[:0]
     rows = light_rows(sessions, settings.model.share_session_light)
     if light_model is None:
-        light_model = first_light(settings, _seen_by_row(rows, seen))
+        light_model = first_light(settings, seen_by_row(rows, seen))
     description = _description(settings, light_model)
     foreground = initial_foreground(points, settings.init)
     if settings.occlusion.enabled:
@@ -61,15 +60,6 @@ def initial_model(
         photos,
         sessions,
     )
-
-
-def _seen_by_row(rows: Sequence[int], seen: Sequence[VisibleSky | None]) -> Seen:
-    """Per row of the embedding, the skies that its photos show."""
-    found: list[list[VisibleSky]] = [[] for _ in range(max(rows) + 1)]
-    for row, sky in zip(rows, seen, strict=False):
-        if sky is not None:
-            found[row].append(sky)
-    return found
 
 
 def _description(settings: TrainSettings, light_model: LightModel) -> ModelDescription:

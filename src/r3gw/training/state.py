@@ -10,6 +10,7 @@ from r3gw.training.history import History
 from r3gw.training.optimizer import make_optimizer
 from r3gw.training.order import PhotoOrder
 from r3gw.training.settings import TrainSettings
+from r3gw.training.sun_shadows import SunShadows
 
 
 @dataclass
@@ -24,6 +25,7 @@ class TrainingState:
         order: Photos left in this epoch.
         generator: Draws everything random but dropout, which draws from torch's own.
         history: Rows so far.
+        sun_shadows: Shadows that were cast a short while ago.
         notes: What run.json should say of the run, with the iteration where it happened first.
         iteration: Iterations done.
     """
@@ -35,6 +37,7 @@ class TrainingState:
     order: PhotoOrder
     generator: torch.Generator
     history: History
+    sun_shadows: SunShadows = field(default_factory=SunShadows)
     notes: dict[str, int] = field(default_factory=dict)
     iteration: int = 0
 

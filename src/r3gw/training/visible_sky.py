@@ -84,10 +84,29 @@ def first_sky(seen: Sequence[VisibleSky], otherwise: float) -> Float[Tensor, "4 
         return sky
     colour = torch.cat([photo.radiance for photo in seen]).median(dim=0).values
     heights = torch.cat([photo.heights for photo in seen])
-    ratio = float(colour[0] / colour[2].clamp_min(1e-6))
-    gradient = min(max((ratio - CLEAR_RATIO) / (COVERED_RATIO - CLEAR_RATIO), 0.0), 1.0)
+    gradient = cover_of(colour)
     horizon = colour / float(1 + gradient * heights.mean())
     # horizon * (1 + gradient * height), and height is -y: bands 0 and 1 hold it exactly.
     sky[0] = horizon * sqrt(4 * pi)
     sky[1] = -gradient * horizon * sqrt(4 * pi / 3)
     return sky
+
+
+def cover_of(colour: Float[Tensor, "3"]) -> float:
+    """How covered a sky of a colour is, 0 to 1: grey tells covered from clear."""
+    ratio = float(colour[0] / colour[2].clamp_min(1e-6))
+    return min(max((ratio - CLEAR_RATIO) / (COVERED_RATIO - CLEAR_RATIO), 0.0), 1.0)
+
+
+def seen_by_row(rows: Sequence[int], seen: Sequence[VisibleSky | None]) -> list[list[VisibleSky]]:
+    """Per row of the appearance embedding, the skies that its photos show.
+
+    Args:
+        rows: Of each photo.
+        seen: What each photo shows; photos at the end may be missing.
+    """
+    found: list[list[VisibleSky]] = [[] for _ in range(max(rows) + 1)]
+    for row, sky in zip(rows, seen, strict=False):
+        if sky is not None:
+            found[row].append(sky)
+    return found

@@ -14,7 +14,6 @@ from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_linear
 from r3gw.lighting.irradiance import irradiance
-from r3gw.lighting.light import Light
 from r3gw.scene import GroundTruth, View
 
 
@@ -40,7 +39,7 @@ class Exact(ViewProtocol):
     def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Render under the true light; ``oracle_psnr`` bounds what to expect."""
         assert view.truth is not None  # covers() holds
-        light = Light(evaluated.true_light(view.truth))
+        light = evaluated.true_light(view.truth)
         photo, is_scored = evaluated.photo(view), evaluated.is_scored(view)
         picture = evaluated.render(view, light)
         oracle = diffuse_oracle(evaluated, view.truth, light.sh)

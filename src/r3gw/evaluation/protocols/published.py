@@ -10,15 +10,16 @@ from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.files import InputError
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.lighting import envmap
+from r3gw.lighting.light import Light
 from r3gw.lighting.maps import linear_env_map
-from r3gw.lighting.sh_rotation import rotate
+from r3gw.lighting.sun import sun_of_map
 from r3gw.scene import EvaluationEntry, View
 
 
 def published_light(
     evaluated: EvaluatedScene, view: View, entry: EvaluationEntry, *, is_linear: bool = False
-) -> Float[Tensor, "coeff 3"]:
-    """SH light of the view's LDR map at sun angle 0 (`r3gw.lighting.envmap.published_directions`).
+) -> Light:
+    """Light of the view's LDR map at sun angle 0 (`r3gw.lighting.envmap.published_directions`).
 
     Args:
         evaluated: Gives the scene's folder and the light's degree.
@@ -38,7 +39,11 @@ def published_light(
     bright = torch.where(given > entry.threshold, light * entry.scale, light)
     height, width = bright.shape[:2]
     turn_rad = published_turn_rad(view, entry)
-    return envmap.projected(bright, _weights(height, width, turn_rad, evaluated.light_degree))
+    coefficients = envmap.projected(
+        bright, _weights(height, width, turn_rad, evaluated.light_degree)
+    )
+    looks = envmap.published_directions(height, width, turn_rad, 0.0)
+    return Light(coefficients, point=sun_of_map(bright, looks))
 
 
 @lru_cache(maxsize=2)
@@ -65,6 +70,6 @@ def published_turn_rad(view: View, entry: EvaluationEntry) -> float:
     return x
 
 
-def at_sun_angle(light: Float[Tensor, "coeff 3"], angle_rad: float) -> Float[Tensor, "coeff 3"]:
+def at_sun_angle(light: Light, angle_rad: float) -> Light:
     """Turn a published light from sun angle 0 to ``angle_rad``: about the vertical, exactly."""
-    return rotate(light, rotation_about_axis(1, -angle_rad))
+    return light.rotated(rotation_about_axis(1, -angle_rad))

@@ -11,7 +11,6 @@ from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
 from r3gw.evaluation.protocols.published import at_sun_angle, published_light
 from r3gw.imaging.colour import GAMMA
-from r3gw.lighting.light import Light
 from r3gw.model.lights import learned_strength
 from r3gw.scene import EvaluationEntry, View
 
@@ -92,21 +91,21 @@ class NerfOsrLinear(NerfOsr):
         assert view.evaluation is not None  # covers() holds
         given = published_light(evaluated, view, view.evaluation, is_linear=True)
         # Clamped pictures tell no exposure, so begin where those of the training photos are.
-        start = learned_strength(evaluated.model) / float(given[0].mean())
+        start = learned_strength(evaluated.model) / given.strength
         angles_rad = np.linspace(*view.evaluation.sun_angles_rad, NUM_SUN_ANGLES)
-        lights = [at_sun_angle(start * given, angle) for angle in angles_rad]
+        lights = [at_sun_angle(given.times(start), angle) for angle in angles_rad]
         photo, is_scored = evaluated.photo(view), evaluated.is_scored(view)
         curve = []
         for light in lights:
-            picture = evaluated.render(view, Light(light))
+            picture = evaluated.render(view, light)
             fitted = np.clip(_display_factor(picture, photo, is_scored) * picture, 0.0, 1.0)
             curve.append(masked_psnr(fitted, photo, is_scored, view.name))
         best = int(np.argmax(curve))
         gain = 1.0
         for _ in range(NUM_EXPOSURE_STEPS):
-            picture = evaluated.render(view, Light(gain * lights[best]))
+            picture = evaluated.render(view, lights[best].times(gain))
             gain *= _display_factor(picture, photo, is_scored) ** GAMMA
-        chosen = Light(gain * lights[best])
+        chosen = lights[best].times(gain)
         picture = evaluated.render(view, chosen)
         figures = {
             **asdict(score(picture, photo, is_scored, view.name)),
@@ -128,13 +127,11 @@ def _swept(
     first = published_light(evaluated, view, entry)
     photo, is_scored = evaluated.photo(view), evaluated.is_scored(view)
     curve = [
-        masked_psnr(
-            evaluated.render(view, Light(at_sun_angle(first, angle))), photo, is_scored, view.name
-        )
+        masked_psnr(evaluated.render(view, at_sun_angle(first, angle)), photo, is_scored, view.name)
         for angle in angles_rad
     ]
     best = int(np.argmax(curve))
-    light = Light(at_sun_angle(first, angles_rad[best]))
+    light = at_sun_angle(first, angles_rad[best])
     picture = evaluated.render(view, light)
     figures = {
         **asdict(score(picture, photo, is_scored, view.name)),

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from r3gw.files.strict import Strict
+from r3gw.lighting.sun import PointSun
 
 LightDegree = Literal[2, 4]  # What the shading kernels are compiled for.
 
@@ -26,17 +27,41 @@ class OpenSky(NamedTuple):
     radiance: Float[Tensor, "4 3"]
     change: Float[Tensor, "4 3"]
 
+    def times(self, gains: Float[Tensor, "3"]) -> "OpenSky":
+        """The sky as a camera of such gains shows it; what was learned of it stays as it is."""
+        return self._replace(radiance=self.radiance * gains)
+
+
+class DaySky(NamedTuple):
+    """A photo's sky above the horizon as the CIE's skies have it, and a learned change.
+
+    Attributes:
+        colours: Of the parts of a sky (`r3gw.lighting.cie_sky.PARTS`), linear.
+        sun: Unit vector to where the clear sky's sun stands.
+        change: SH coefficients, linear; learned.
+    """
+
+    colours: Float[Tensor, "parts 3"]
+    sun: Float[Tensor, "3"]
+    change: Float[Tensor, "4 3"]
+
+    def times(self, gains: Float[Tensor, "3"]) -> "DaySky":
+        """The sky as a camera of such gains shows it."""
+        return self._replace(colours=self.colours * gains, change=self.change * gains)
+
 
 class Environment(NamedTuple):
     """The light of one photo. What a light model knows beyond its SH is a field with a default.
 
     Attributes:
-        light: SH environment light, linear.
+        light: SH environment light, linear; all of it.
         open_sky: What lies above the horizon, where that is modelled on its own.
+        sun: The sun, where surfaces are shaded with it and not with its SH.
     """
 
     light: Float[Tensor, "coeff 3"]
-    open_sky: OpenSky | None = None
+    open_sky: OpenSky | DaySky | None = None
+    sun: PointSun | None = None
 
 
 class LightModel(nn.Module, ABC):

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from math import isqrt
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import torch
 from jaxtyping import Float
@@ -14,6 +14,7 @@ from r3gw.files import write_json
 from r3gw.files.strict import Strict, read_json, validated
 from r3gw.lighting.light import Light
 from r3gw.lighting.skies import LearnedSky
+from r3gw.lighting.sun import PointSun
 
 NAME = "lights.json"
 HIGHEST_DEGREE = 10
@@ -26,15 +27,27 @@ CONVENTION = {
     "sky": "display RGB of the sky in direction d = clamp(sum of coefficient[i] * Y_i(d) + 0.5, "
     "0, 1); display = linear^(1/2.2)",
 }
+SUN_CONVENTION = {
+    "sun": "the part of the light that comes from one direction: unit vector towards it, and "
+    "linear RGB irradiance of a surface that faces it; the light's coefficients hold it, too",
+}
 
 Row = tuple[float, float, float]
 
 
+class SunEntry(Strict):
+    """The part of a light that comes from one direction, see `CONVENTION`."""
+
+    direction: Row
+    irradiance: Row
+
+
 class Coefficients(Strict):
-    """Light and sky of one photo, ``[coeff][rgb]``."""
+    """Light and sky of one photo, ``[coeff][rgb]``, and its sun, if it has one."""
 
     light: tuple[Row, ...]
     sky: tuple[Row, ...]
+    sun: SunEntry | None = None
 
     @field_validator("light", "sky")
     @classmethod
@@ -49,7 +62,7 @@ class LightsFile(Strict):
     """The whole file."""
 
     format: Literal["r3gw-lights"] = "r3gw-lights"
-    version: Literal[1] = 1
+    version: Literal[1, 2] = 1
     convention: dict[str, str] = CONVENTION
     coordinates: Literal["scene", "source"]
     photos: dict[str, Coefficients]
@@ -65,12 +78,18 @@ def write_lights(
         coordinates: In whose frame directions are; see `CONVENTION`.
         folder: Where the file goes.
     """
-    photos = {
+    photos: dict[str, dict[str, Any]] = {
         photo: {"light": light.sh.tolist(), "sky": _sky(photo, light).tolist()}
         for photo, light in lights.items()
     }
-    content = LightsFile.model_validate({"coordinates": coordinates, "photos": photos})
-    write_json(folder / NAME, content.model_dump(mode="json"))
+    content: dict[str, Any] = {"coordinates": coordinates, "photos": photos}
+    for photo, light in lights.items():
+        if light.point is not None:
+            content |= {"version": 2, "convention": CONVENTION | SUN_CONVENTION}
+            entry = {"direction": light.point.direction, "irradiance": light.point.irradiance}
+            photos[photo]["sun"] = {name: value.tolist() for name, value in entry.items()}
+    checked = LightsFile.model_validate(content)
+    write_json(folder / NAME, checked.model_dump(mode="json", exclude_none=True))
 
 
 def _sky(photo: str, light: Light) -> Float[Tensor, "skycoeff 3"]:
@@ -90,6 +109,14 @@ def read_lights(folder: Path) -> dict[str, Light]:
         return {}
     content = validated(LightsFile, read_json(path), str(path))
     return {
-        photo: Light(torch.tensor(entry.light), LearnedSky(torch.tensor(entry.sky)))
+        photo: Light(
+            torch.tensor(entry.light), LearnedSky(torch.tensor(entry.sky)), _point(entry.sun)
+        )
         for photo, entry in content.photos.items()
     }
+
+
+def _point(sun: SunEntry | None) -> PointSun | None:
+    if sun is None:
+        return None
+    return PointSun(torch.tensor(sun.direction), torch.tensor(sun.irradiance))

@@ -75,6 +75,9 @@ class _Facts(Strict):
     scene_from_source: Gauge
     light_degree: int = Field(ge=0, le=HIGHEST_DEGREE)
     with_specular: bool
+    point_sun: bool = False
+    sun_bounce: float = Field(0.0, ge=0, le=1)
+    sharp: float = Field(1.0, ge=0, le=1)
 
 
 def write_ply(
@@ -105,12 +108,14 @@ def write_ply(
         rows["is_sky"] = np.arange(len(rows)) >= gaussians.num_foreground
         if shadows is not None:
             _fill(rows, transfer, shadows)
-    facts = {
+    facts: dict[str, Any] = {
         "coordinates": placement.coordinates,
         "scene_from_source": Gauge.of(placement.scene_from_source).model_dump(mode="json"),
         "light_degree": gaussians.light_degree,
         "with_specular": gaussians.with_specular,
     }
+    if gaussians.has_point_sun:
+        facts |= {"point_sun": True, "sun_bounce": gaussians.sun_bounce, "sharp": gaussians.sharp}
     comments = [f"{COMMENT}{name} {json.dumps(value)}" for name, value in facts.items()]
     write_vertices(path, rows, comments)
 
@@ -164,6 +169,9 @@ def read_ply(path: Path) -> Relightable:
         light_degree=facts.light_degree,
         with_specular=facts.with_specular,
         occlusion=_columns(rows[:count], transfer) if transfer else None,
+        has_point_sun=facts.point_sun,
+        sun_bounce=facts.sun_bounce,
+        sharp=facts.sharp,
         origin=str(path),
     )
     if facts.coordinates == "scene":

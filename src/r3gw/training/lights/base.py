@@ -6,6 +6,7 @@ from typing import NamedTuple
 import torch
 
 from r3gw.model.appearance import PhotoLight
+from r3gw.model.light_models.base import LightModel
 from r3gw.training.losses.weighted import Weighted
 from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
@@ -30,6 +31,14 @@ class LightTraining:
     def rate(self, settings: TrainSettings) -> float:  # noqa: ARG002
         """Learning rate of the light model's own parameters; the MLP has its own."""
         return 0.0
+
+    def renew(self, light_model: LightModel, seen: Seen) -> None:
+        """Set anew what is computed of a light model and not learned, every now and then.
+
+        Args:
+            light_model: Changed in place.
+            seen: For each embedding, the skies that its photos show.
+        """
 
     def losses(
         self,

@@ -44,7 +44,7 @@ class OutdoorTraining(LightTraining):
         generator: torch.Generator,  # noqa: ARG002
     ) -> Iterator[NamedLoss]:
         """The photo's sky is as bright as the photo shows it, its gradient near the first."""
-        assert lit.open_sky is not None  # an OutdoorLight gives it
+        assert isinstance(lit.open_sky, OpenSky)  # an OutdoorLight gives it
         yield NamedLoss("light", open_sky_loss(lit.open_sky, photo, settings.outdoor))
 
 

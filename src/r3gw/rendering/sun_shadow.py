@@ -1,0 +1,155 @@
+"""Who stands in the sun: a map of the scene's depth as the sun sees it (Williams 1978).
+
+The foreground is drawn by the rasterizer from far away in the sun's direction. A point is in the
+sun as far as nothing that covers its place on that map lies nearer to the sun.
+"""
+
+from dataclasses import dataclass
+from math import ceil
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from r3gw.geometry.cameras import Camera, pixel_rays
+from r3gw.model.attributes import LOG_SCALES, MEANS, OPACITY, QUATERNIONS
+from r3gw.model.model import SceneModel
+from r3gw.raster import rasterize
+
+BOX_QUANTILES = (
+    0.01,
+    0.99,
+)  # of the positions: what lies outside is in the sun, and casts no shadow
+MARGIN = 0.02  # around that box, in its longest sides
+MAP_SIDE_PX = 512  # longer side of the map
+DISTANCE = 100.0  # of the camera, in half diagonals of the box: its rays are nearly parallel
+# A surface is a layer of Gaussians, not a sheet: what lies nearer to the sun by less than this
+# share of the box's longest side is the same surface. SOFTNESS is how gradually that ends.
+BIAS, SOFTNESS = 0.015, 0.002
+SMALLEST_ALPHA = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class SunShadow:
+    """The scene as the sun sees it.
+
+    Attributes:
+        camera: Far away in the sun's direction.
+        depth: Camera z of what it sees, less `nearest`.
+        alpha: How much of the sun that holds back.
+        nearest: Camera z of the nearest Gaussian; depths are counted from there.
+        bias: By how much the same surface may lie nearer, world units.
+        softness: World units.
+    """
+
+    camera: Camera
+    depth: Float[Tensor, "h w"]
+    alpha: Float[Tensor, "h w"]
+    nearest: float
+    bias: float
+    softness: float
+
+    @torch.no_grad()
+    def visibility(self, points: Float[Tensor, "n 3"]) -> Float[Tensor, "n"]:
+        """Share of the sun that reaches points in the world: 1 in the sun, 0 in the shade."""
+        pose, (fx, fy, cx, cy) = self.camera.cam_from_world, self.camera.intrinsics
+        local = points.double() @ pose[:3, :3].T + pose[:3, 3]
+        depth = (local[:, 2] - self.nearest).float()[:, None]
+        column = (local[:, 0] / local[:, 2] * fx + cx - 0.5).float()
+        row = (local[:, 1] / local[:, 2] * fy + cy - 0.5).float()
+        left, top = column.floor(), row.floor()
+        right, down = column - left, row - top
+        near = torch.tensor([[0, 0], [0, 1], [1, 0], [1, 1]])
+        rows, columns = top.long()[:, None] + near[:, 0], left.long()[:, None] + near[:, 1]
+        height, width = self.depth.shape
+        is_inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        place = rows.clamp(0, height - 1) * width + columns.clamp(0, width - 1)
+        before, held = self.depth.flatten()[place], self.alpha.flatten()[place]
+        is_same = torch.sigmoid((before + self.bias - depth) / self.softness)
+        lit = torch.where(is_inside, 1 - (1 - is_same) * held, 1.0)
+        weights = torch.stack(
+            [(1 - down) * (1 - right), (1 - down) * right, down * (1 - right), down * right], dim=-1
+        )
+        return (lit * weights).sum(-1)
+
+    def seen_from(self, camera: Camera, depth: Float[Tensor, "h w"]) -> Float[Tensor, "h w"]:
+        """Share of the sun that reaches what a camera's pixels show.
+
+        Args:
+            camera: The view.
+            depth: Camera z of its pixels' surfaces.
+        """
+        pose = camera.cam_from_world.float()
+        local = pixel_rays(camera) * depth.detach()[..., None]
+        points = (local.reshape(-1, 3) - pose[:3, 3]) @ pose[:3, :3]
+        return self.visibility(points).reshape(depth.shape)
+
+
+@torch.no_grad()
+def sun_shadow(
+    means: Float[Tensor, "n 3"],
+    quaternions: Float[Tensor, "n 4"],
+    scales: Float[Tensor, "n 3"],
+    opacities: Float[Tensor, "n"],
+    direction: Float[Tensor, "3"],
+) -> SunShadow:
+    """Draw the foreground as the sun sees it.
+
+    Args:
+        means, quaternions, scales, opacities: The foreground's Gaussians, as the rasterizer takes
+            them.
+        direction: Unit vector towards the sun.
+    """
+    camera, longest = _sun_camera(means, direction)
+    z = means.double() @ camera.cam_from_world[2, :3] + camera.cam_from_world[2, 3]
+    nearest = float(z.min()) if len(z) else 0.0
+    features = torch.stack([(z - nearest).float(), torch.ones_like(opacities)], dim=-1)
+    drawn = rasterize(
+        means,
+        quaternions,
+        scales,
+        opacities,
+        features,
+        camera.cam_from_world.float(),
+        camera.intrinsics,
+        camera.width,
+        camera.height,
+    )
+    alpha = drawn.planes[1]
+    depth = drawn.planes[0] / alpha.clamp_min(SMALLEST_ALPHA)
+    return SunShadow(camera, depth, alpha, nearest, BIAS * longest, SOFTNESS * longest)
+
+
+def _sun_camera(means: Float[Tensor, "n 3"], direction: Float[Tensor, "3"]) -> tuple[Camera, float]:
+    """A far camera whose picture the scene's box fills; the box's longest side."""
+    low, high = torch.quantile(means, means.new_tensor(BOX_QUANTILES), dim=0).double()
+    longest = float((high - low).max().clamp_min(1e-6))
+    low, high = low - MARGIN * longest, high + MARGIN * longest
+    forward = -torch.nn.functional.normalize(direction.detach().double(), dim=0)
+    aside = torch.eye(3, dtype=torch.float64)[int(forward.abs().argmin())]
+    right = torch.nn.functional.normalize(torch.linalg.cross(aside, forward), dim=0)
+    pose = torch.eye(4, dtype=torch.float64)
+    pose[:3, :3] = torch.stack([right, torch.linalg.cross(forward, right), forward])
+    away = DISTANCE * float((high - low).norm()) / 2
+    pose[:3, 3] = -pose[:3, :3] @ ((low + high) / 2 - away * forward)
+    sides = torch.stack([low, high])
+    corners = torch.cartesian_prod(*sides.T) @ pose[:3, :3].T + pose[:3, 3]
+    places = corners[:, :2] / corners[:, 2:]
+    first, last = places.min(dim=0).values, places.max(dim=0).values
+    focal = MAP_SIDE_PX / float((last - first).max())
+    width, height = (max(1, ceil(focal * float(side))) for side in last - first)
+    centre = (-focal * float(first[0]), -focal * float(first[1]))
+    return Camera(pose, (focal, focal, *centre), width, height), longest
+
+
+@torch.no_grad()
+def shadow_in(model: SceneModel, direction: Float[Tensor, "3"]) -> SunShadow:
+    """A model's foreground as a sun in some direction sees it."""
+    foreground = model.foreground
+    return sun_shadow(
+        foreground[MEANS.name].detach(),
+        foreground[QUATERNIONS.name].detach(),
+        LOG_SCALES.of(foreground).detach(),
+        OPACITY.of(foreground).detach(),
+        direction.detach(),
+    )
