@@ -9,7 +9,7 @@ from r3gw.lighting.sun import PointSun
 from r3gw.rendering import reference, splats
 from r3gw.rendering.brdf_table import lookup
 from r3gw.rendering.channels import COLOUR
-from r3gw.rendering.compose import Sunlight, render, shaded_splats
+from r3gw.rendering.compose import Falls, Sunlight, render, shaded_splats
 from r3gw.rendering.cook_torrance import DIELECTRIC_F0
 from r3gw.rendering.sun_shadow import SunShadow
 from r3gw.rendering.sunlight import bounced_irradiance, direct_irradiance, ggx, sun_radiance
@@ -137,7 +137,8 @@ def test_every_pixel_is_in_the_sun_or_in_the_shade(model, camera):
     shadow = _Half(camera, torch.zeros(1, 1), torch.zeros(1, 1), 0.0, 0.0, 1.0)
     light = LIGHT + SUN.sh(4)
     half, bright = (
-        render(model, camera, light, None, sunlight=Sunlight(SUN, each)) for each in (shadow, None)
+        render(model, camera, light, None, sunlight=Sunlight(SUN, each, Falls.PIXELS))
+        for each in (shadow, None)
     )
     dark = render(model, camera, light - SUN.sh(4), None)
     middle = camera.width // 2

@@ -4,6 +4,7 @@ A sun makes it two sets of colours in one pass: with and without it.
 """
 
 from dataclasses import dataclass
+from enum import Enum, auto
 
 import torch
 from jaxtyping import Float
@@ -26,7 +27,7 @@ from r3gw.rendering.channels import (
 )
 from r3gw.rendering.splat_set import Splats
 from r3gw.rendering.splats import splats_of
-from r3gw.rendering.sun_shadow import SunShadow, shadow_in
+from r3gw.rendering.sun_shadow import Gaussians, SunShadow, reach, shadow_in
 from r3gw.rendering.sunlight import bounced_irradiance, direct_irradiance
 
 SMALLEST_ALPHA = 1e-6
@@ -78,6 +79,18 @@ class Rendering:
         return self.planes[FOREGROUND]
 
 
+class Falls(Enum):
+    """On what a sun's shadows fall.
+
+    Attributes:
+        PIXELS: On pixels, in the same pass; an edge may cross a Gaussian. Fast enough for training.
+        GAUSSIANS: On Gaussians, as the mean over the pixels that show them: nearer to the truth.
+    """
+
+    PIXELS = auto()
+    GAUSSIANS = auto()
+
+
 @dataclass(frozen=True, eq=False)
 class Sunlight:
     """A sun, and who stands in it.
@@ -85,17 +98,20 @@ class Sunlight:
     Attributes:
         sun: The sun; the light that it goes with holds it, too.
         shadow: The scene as it sees it; None where nothing stands in it.
+        falls: On what shadows fall.
     """
 
     sun: PointSun
     shadow: SunShadow | None
+    falls: Falls
 
 
 def sunlight_of(model: SceneModel, sun: PointSun | None) -> Sunlight | None:
     """A light's sun with its shadows; None where the model shades by SH alone, or it has none."""
     if sun is None or not model.description.has_point_sun:
         return None
-    return Sunlight(sun.times(model.description.sharp), shadow_in(model, sun.direction))
+    shadow = shadow_in(model, sun.direction)
+    return Sunlight(sun.times(model.description.sharp), shadow, Falls.GAUSSIANS)
 
 
 def render(
@@ -156,7 +172,11 @@ def drawn(
     """Composite what `shaded_splats` gives."""
     if in_shade is None or sunlight is None or sunlight.shadow is None:
         return draw(in_sun, camera)
-    return draw_in_sun(in_sun, in_shade, camera, sunlight.shadow)
+    if sunlight.falls is Falls.PIXELS:
+        return draw_in_sun(in_sun, in_shade, camera, sunlight.shadow)
+    gaussians = Gaussians(in_sun.means, in_sun.quaternions, in_sun.scales, in_sun.opacities)
+    lit = reach(gaussians, [camera], sunlight.shadow)[:, None]
+    return draw(in_sun.with_colours(torch.lerp(in_shade, in_sun.colours, lit)), camera)
 
 
 def draw(splats: Splats, camera: Camera) -> Rendering:
