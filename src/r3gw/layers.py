@@ -5,6 +5,7 @@ LAYERS = (
     ("native", "geometry", "imaging"),
     ("lighting", "scene"),
     ("benchmark", "masks", "raster"),
+    ("stereo",),
     ("importing", "model"),
     ("rendering",),
     ("training",),

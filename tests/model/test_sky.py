@@ -15,7 +15,14 @@ from r3gw.model.settings import InitSettings, SkySettings
 from r3gw.model.sky import Sky, SkyDome, initial_sky, sample_dome
 
 DOME = SkyDome(torch.tensor([1.0, 2.0, 3.0]), 5.0, (-0.5, 2.0))
-SKY = SkySettings(count_per_radius=100, min_count=10, max_count=100000, azimuth_range="cameras")
+SKY = SkySettings(
+    count_per_radius=100,
+    min_count=10,
+    max_count=100000,
+    azimuth_range="cameras",
+    around="scene",
+    least_opacity=0.0,
+)
 
 INIT = InitSettings(opacity=0.1, roughness=0.5, albedo=0.7, light_radiance=1.0)
 
@@ -81,6 +88,36 @@ def test_dome_fits_the_points():
     expected = np.quantile(np.linalg.norm(points - points.mean(0), axis=1), 0.99)
     np.testing.assert_allclose(initial.dome.radius, expected, rtol=1e-5, atol=0)
     assert len(initial.sky_angles) == round(100 * initial.dome.radius)
+
+
+def test_a_dome_around_cameras_holds_them_all():
+    """A camera outside would look through the sky at what stands in it."""
+    points = torch.rand(500, 3, generator=torch.Generator().manual_seed(0))
+    away = looking(0.0).cam_from_world.clone()
+    away[2, 3] = 20.0  # the camera stands 20 units before the scene
+    cameras = [looking(0.0), Camera(away, (50.0, 50.0, 50.0, 50.0), 100, 100)]
+    around = SKY.model_copy(update={"around": "cameras"})
+    dome = initial_points(points, cameras, around, seed=0).dome
+    distance = float((cameras[1].centre.float() - dome.centre).norm())
+    np.testing.assert_allclose(dome.radius, 2 * distance, rtol=1e-5, atol=0)
+    alone = initial_points(points, cameras, SKY, seed=0).dome
+    assert alone.radius < 1.0 < distance
+    wide = (points - 0.5) * 200  # holds the cameras well within
+    radii = [initial_points(wide, cameras, sky, seed=0).dome.radius for sky in (SKY, around)]
+    assert radii[0] == radii[1] > 100.0
+
+
+def test_an_opaque_sky_stays_opaque():
+    sky = make_sky(5)
+    with torch.no_grad():
+        sky.rows["opacity_logits"].copy_(torch.tensor([-9.0, -1.0, 0.0, 2.0, 9.0]))
+    before = sky.rows["opacity_logits"].detach().clone()
+    sky.keep_opaque(0.0)
+    assert torch.equal(sky.rows["opacity_logits"].detach(), before)
+    sky.keep_opaque(0.75)
+    got = torch.sigmoid(sky.rows["opacity_logits"].detach())
+    expected = torch.sigmoid(before).clamp_min(0.75)
+    torch.testing.assert_close(got, expected, rtol=1e-5, atol=0)
 
 
 def looking(yaw: float) -> Camera:

@@ -53,7 +53,14 @@ def make_scene(folder: Path, *, with_test: bool) -> Path:
         write_image(folder.with_name("masks") / "is_valid" / f"{each.name}.png", is_sky | True)
     xyz = np.random.default_rng(0).normal(size=(50, 3)).astype(np.float32)
     save_points(Points(xyz, np.full((50, 3), 90, np.uint8)), folder)
-    sky = SkySettings(count_per_radius=10.0, min_count=20, max_count=30, azimuth_range="cameras")
+    sky = SkySettings(
+        count_per_radius=10.0,
+        min_count=20,
+        max_count=30,
+        azimuth_range="cameras",
+        around="scene",
+        least_opacity=0.0,
+    )
     cameras = [each.camera for each in views]
     initial = initial_points(torch.from_numpy(xyz), cameras, sky, seed=0)
     save_initial(initial, folder.with_name("initial.npz"))

@@ -62,6 +62,11 @@ class Killed(Exception):
 @pytest.fixture
 def checkpoint(files, monkeypatch):
     """The checkpoint of a run that was killed after iteration `KILLED_AT`."""
+    return killed(files, monkeypatch)
+
+
+def killed(files: RunFiles, monkeypatch):
+    """Kill a run after iteration `KILLED_AT`; its checkpoint."""
     save = Checkpoints.save_if_due
 
     def save_and_die(self, state):
@@ -116,6 +121,18 @@ def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(files, checkpoint, tm
     assert go(files) == undisturbed(files, tmp_path / "other")
     assert f"continuing from {checkpoint} at iteration {KILLED_AT}" in caplog.text
     assert not list(files.target.glob(".*"))
+
+
+def test_so_does_a_run_with_a_sun(files, tmp_path, monkeypatch, caplog):
+    """Shadows of its sun are cast every 8 iterations, so some are older than the checkpoint."""
+    caplog.set_level("INFO", "r3gw")
+    settings = json.loads(files.settings.read_text())
+    settings["daylight"] |= {"enabled": True, "shadow_age": 20_000}
+    settings["occlusion"] |= {"enabled": True, "first": 5_000, "interval": 20_000}
+    files.settings.write_text(json.dumps(settings))
+    killed(files, monkeypatch)
+    assert go(files) == undisturbed(files, tmp_path / "other")
+    assert f"at iteration {KILLED_AT}" in caplog.text
 
 
 @pytest.mark.parametrize("changed", EDITS)

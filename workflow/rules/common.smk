@@ -256,6 +256,13 @@ def sky_json(wildcards):
     return RESOLVED[VARIANTS[0], CONFIG.seeds[0]].sky.model_dump_json()
 
 
+def stereo_masks(wildcards):
+    """Masks that the first points depend on: none unless stereo adds to them."""
+    if not RESOLVED[VARIANTS[0], CONFIG.seeds[0]].stereo.enabled:
+        return []
+    return f"results/{wildcards.scene}/masks/masks.json"
+
+
 def figure_runs(wildcards):
     """Folders of the runs that a scene's figures show: every variant, first seed."""
     seed = CONFIG.seeds[0]

@@ -60,6 +60,7 @@ rule initialise:
     input:
         scene="results/{scene}/scene/scene.json",
         points="results/{scene}/scene/points.npz",
+        masks=stereo_masks,
     output:
         "results/{scene}/initial.npz",
     log:
@@ -68,6 +69,9 @@ rule initialise:
     params:
         code=code_of("initialise"),
         sky=sky_json,
+        stereo=lambda wildcards, input: (
+            f"--masks results/{wildcards.scene}/masks" if input.masks else ""
+        ),
     shell:
         "python -m r3gw initialise --scene results/{wildcards.scene}/scene"
-        " --sky {params.sky:q} --target {output} > {log} 2>&1"
+        " --sky {params.sky:q} {params.stereo} --target {output} > {log} 2>&1"

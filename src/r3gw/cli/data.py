@@ -79,11 +79,15 @@ def masks(scene: Path, target: Path, sources: str) -> None:
 @cli.command()
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--sky", required=True, help="Settings of the sky's initial points as JSON.")
+@click.option(
+    "--masks", "masked", type=FOLDER, help="Folder of its masks: stereo shall add points."
+)
 @click.option("--target", type=FILE, required=True, help="initial.npz to write.")
-def initialise(scene: Path, sky: str, target: Path) -> None:
+def initialise(scene: Path, sky: str, masked: Path | None, target: Path) -> None:
     """Place the initial foreground points and the sky hemisphere."""
     from r3gw.files.strict import validated
     from r3gw.model.settings import SkySettings
     from r3gw.model.stage import run_initialise
 
-    run_initialise(scene, validated(SkySettings, json_object(sky, "--sky"), "--sky"), target)
+    settings = validated(SkySettings, json_object(sky, "--sky"), "--sky")
+    run_initialise(scene, settings, target, masked)

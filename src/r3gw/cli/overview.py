@@ -22,7 +22,7 @@ EXAMPLES = {
         "import": """import --scene mine --entry '{"format": "photos"}' --source photos """
         "--target S",
         "masks": "masks --scene S --sources '{}' --target K",
-        "initialise": "initialise --scene S --sky '{}' --target initial.npz",
+        "initialise": "initialise --scene S --sky '{}' --masks K --target initial.npz",
     },
     "Stages of the workflow: runs": {
         "train": "train --scene S --masks K --initial initial.npz --settings settings.json "

@@ -19,6 +19,7 @@ from r3gw.model.sky import SkyDome, sample_dome
 BOX_QUANTILES = (0.02, 0.98)
 RADIUS_QUANTILE = 0.99
 AZIMUTH_MARGIN_RAD = 0.1
+DOME_MARGIN = 2.0  # radius of a dome around cameras, of the distance of the farthest one
 _ARRAYS = {
     "foreground": Array(np.float32, (None, 3)),
     "centre": Array(np.float32, (3,)),
@@ -67,12 +68,19 @@ def initial_points(
     low, high = torch.quantile(xyz, torch.tensor(BOX_QUANTILES), dim=0)
     from_mean = (xyz - xyz.mean(dim=0)).norm(dim=-1)
     radius = float(torch.quantile(from_mean, RADIUS_QUANTILE).clamp_min(1e-3))
+    if settings.around == "cameras":
+        radius = max(radius, DOME_MARGIN * farthest(cameras, 0.5 * (low + high)))
     azimuth = (-pi, pi) if settings.azimuth_range == "full" else seen_azimuths(cameras)
     dome = SkyDome(0.5 * (low + high), radius, azimuth)
     wanted = round(settings.count_per_radius * radius)
     count = min(max(wanted, settings.min_count), settings.max_count)
     generator = torch.Generator().manual_seed(seed)
     return InitialPoints(xyz, dome, sample_dome(dome, count, generator))
+
+
+def farthest(cameras: list[Camera], centre: Float[Tensor, "3"]) -> float:
+    """Distance of the camera that is farthest from ``centre``, world units."""
+    return max(float((camera.centre.to(centre) - centre).norm()) for camera in cameras)
 
 
 def seen_azimuths(cameras: list[Camera]) -> tuple[float, float]:

@@ -26,12 +26,26 @@ class InitSettings(Strict):
 
 
 class SkySettings(Strict):
-    """The sky's initial Gaussians (Sec. 4.3)."""
+    """The sky's initial Gaussians (Sec. 4.3).
+
+    Attributes:
+        around: What the dome holds: the "scene", as in the paper, or all training "cameras" too.
+        least_opacity: Of a Gaussian of the sky, at first and while it is learned. At 0, as in the
+            paper, the sky is as thin as photos leave it, and black shows where none of them looks.
+    """
 
     count_per_radius: float = Field(gt=0)
     min_count: int = Field(gt=0)
     max_count: int = Field(gt=0)
     azimuth_range: str = Field(pattern="^(cameras|full)$")
+    around: Literal["scene", "cameras"]
+    least_opacity: float = Field(ge=0, lt=1)
+
+
+class StereoSettings(Strict):
+    """More first points than structure from motion finds (r3gw.stereo); not in the paper."""
+
+    enabled: bool
 
 
 class OcclusionSettings(Strict):

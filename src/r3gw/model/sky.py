@@ -5,7 +5,7 @@ Position: ``centre + R * d(theta, phi)`` in the angles of r3gw.geometry.spherica
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import log, pi
 
 import torch
 from jaxtyping import Float
@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from r3gw.geometry.spherical import angles_from_direction, direction_from_angles
 from r3gw.imaging.colour import two_way_clamp
 from r3gw.lighting import sh
-from r3gw.model.attributes import ANGLES, SKY, first_rows
+from r3gw.model.attributes import ANGLES, OPACITY, SKY, first_rows
 from r3gw.model.rows import Rows
 from r3gw.model.settings import InitSettings
 
@@ -90,6 +90,12 @@ class Sky(nn.Module):
         first, last = self.azimuth_rad.tolist()
         angles = self.rows["angles"]
         angles.clamp_(angles.new_tensor((0.0, first)), angles.new_tensor((pi / 2, last)))
+
+    @torch.no_grad()
+    def keep_opaque(self, least: float) -> None:
+        """Raise opacities below ``least``; called after every optimizer step."""
+        if least > 0:
+            self.rows[OPACITY.name].clamp_(min=log(least / (1 - least)))
 
     @torch.no_grad()
     def angles_of(self, positions: Float[Tensor, "n 3"]) -> Float[Tensor, "n 2"]:

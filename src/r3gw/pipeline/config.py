@@ -12,6 +12,8 @@ from r3gw.pipeline.scene_entry import SceneEntry
 from r3gw.pipeline.study import StudySettings, VariantName
 from r3gw.training.settings import TrainSettings
 
+OF_FIRST_POINTS = ("sky", "stereo")  # Groups of settings that all runs of a scene share.
+
 SceneName = Annotated[str, Field(pattern="^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
 
@@ -96,11 +98,12 @@ def _changes_of(variants: Mapping[str, Any], name: str, source: str) -> Mapping[
     if name not in variants:
         raise InputError(f"{source}: no variant named '{name}'; there are: {', '.join(variants)}")
     changes: Mapping[str, Any] = variants[name] or {}
-    if "sky" in changes:
-        raise InputError(
-            f"{source}: variant '{name}' changes 'sky', but all runs of a scene share "
-            "their initial points; change 'sky' under 'train' in config.yaml"
-        )
+    for group in OF_FIRST_POINTS:
+        if group in changes:
+            raise InputError(
+                f"{source}: variant '{name}' changes '{group}', but all runs of a scene share "
+                f"their initial points; change '{group}' under 'train' in config.yaml"
+            )
     return changes
 
 

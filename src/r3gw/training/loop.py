@@ -132,6 +132,7 @@ def step(
         state.statistics.add(gradient, rendering.radii_px, camera.width, camera.height)
     adam_step(state.optimizer)
     model.sky.clamp_to_dome()
+    model.sky.keep_opaque(settings.sky.least_opacity)
     _change_density(state, schedule, extent)
     if settings.unseen.enabled and schedule.holds_back_unseen(iteration):
         centres = [photo.camera.centre for photo in sizes.photos]

@@ -8,7 +8,8 @@ from torch import Tensor
 
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
-from r3gw.rendering.compose import Rendering, render
+from r3gw.rendering.compose import Rendering, drawn, shaded_splats
+from r3gw.training.dropping import dropped, share_at
 from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
 from r3gw.training.losses.choice import FORMS
@@ -40,7 +41,7 @@ def objective(
         index: The photo's row in the appearance embedding.
         iteration: Counts from 1.
         schedule: Says which losses act.
-        generator: Light noise and positivity directions.
+        generator: Draws light noise, directions of the positivity loss, and dropped Gaussians.
         sun_shadows: Those that were cast a short while ago; changed in place.
     """
     losses = FORMS[settings.losses]
@@ -52,7 +53,10 @@ def objective(
     if lit.sun is not None:
         row = model.appearance.rows[index]
         sunlight = sun_shadows.of(model, row, lit.sun, iteration, schedule)
-    rendering = render(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
+    splats, in_shade = shaded_splats(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
+    share = share_at(iteration, settings.iterations, settings.dropping.share)
+    seen = dropped(splats, share, generator)
+    rendering = drawn(seen, in_shade, photo.camera, sunlight)
     acting = acting_weights(settings, schedule, iteration)
     pixels = losses.picture(
         rendering.planes,

@@ -7,7 +7,12 @@ from pydantic import Field
 
 from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.model.limits import LARGEST_LAYER
-from r3gw.model.settings import InitSettings, OcclusionSettings, SkySettings
+from r3gw.model.settings import (
+    InitSettings,
+    OcclusionSettings,
+    SkySettings,
+    StereoSettings,
+)
 
 # How losses are computed: by kernels, or in plain torch (r3gw.training.losses.forms).
 FormName = Literal["fused", "plain"]
@@ -169,6 +174,16 @@ class UnseenSettings(Strict):
     widest: float = Field(gt=0)
 
 
+class DroppingSettings(Strict):
+    """Gaussians left out at random while training (r3gw.training.dropping); not in the paper.
+
+    Attributes:
+        share: Of the foreground, in the last iteration; it grows evenly from 0. 0 drops none.
+    """
+
+    share: float = Field(ge=0, lt=1)
+
+
 class TrainSettings(Strict):
     """Everything that changes the result of one training."""
 
@@ -185,12 +200,14 @@ class TrainSettings(Strict):
     density: DensitySettings
     resolution: ResolutionSettings
     sky: SkySettings
+    stereo: StereoSettings
     silhouette: SilhouetteSettings
     occlusion: OcclusionSettings
     outdoor: OutdoorSettings
     daylight: DaylightSettings
     unseen: UnseenSettings
     gains: GainsSettings
+    dropping: DroppingSettings
 
 
 def load_train_settings(path: Path) -> TrainSettings:

@@ -50,10 +50,12 @@ def initial_model(
     if settings.occlusion.enabled:
         size = sh.num_coefficients(description.light_degree)
         foreground.add_computed(OCCLUSION, torch.zeros(len(points), size))
+    sky = initial_sky(dome, angles, settings.init)
+    sky.keep_opaque(settings.sky.least_opacity)
     return SceneModel(
         description,
         foreground,
-        initial_sky(dome, angles, settings.init),
+        sky,
         Appearance(rows, description, light_model, generator),
         photos,
         sessions,

@@ -13,6 +13,7 @@ from r3gw.rendering.sun_shadow import SunShadow, shadow_in
 from r3gw.training.schedule import Schedule
 
 NEVER = -1
+MOST_KEPT = 64  # maps of up to 2 MB: sessions have one each; where photos have, most are too old
 
 
 @dataclass
@@ -43,6 +44,8 @@ class SunShadows:
         if shadow is None or iteration - since >= schedule.shadow_age:
             shadow = shadow_in(model, sun.direction)
             self.cast[row] = (iteration, shadow)
+            if len(self.cast) > MOST_KEPT:
+                del self.cast[min(self.cast, key=lambda each: self.cast[each][0])]
         return Sunlight(sun.times(model.description.sharp), shadow)
 
     def tensors(self) -> dict[str, Tensor]:
@@ -57,7 +60,7 @@ class SunShadows:
         """What a checkpoint keeps of the maps as numbers, by row."""
         return {
             str(row): [
-                since,
+                float(since),
                 *shadow.camera.intrinsics,
                 shadow.nearest,
                 shadow.bias,

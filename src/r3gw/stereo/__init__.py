@@ -1,0 +1,1 @@
+"""Depth from photos whose cameras are known, and the many points that follow from it."""
