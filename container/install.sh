@@ -6,8 +6,8 @@ set -eu
 cd /opt/r3gw
 export DEBIAN_FRONTEND=noninteractive
 apt-get update
-apt-get install --yes --no-install-recommends python3.11-venv libgomp1 rsync
-apt-mark manual libgomp1 rsync
+apt-get install --yes --no-install-recommends python3.11-venv libgomp1 libatomic1 rsync
+apt-mark manual libgomp1 libatomic1 rsync
 apt-get install --yes --no-install-recommends g++ python3.11-dev
 python3.11 -m venv .venv
 pip="/opt/r3gw/.venv/bin/pip install --no-cache-dir --disable-pip-version-check ${PIP_ARGS:-}"

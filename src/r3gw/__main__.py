@@ -8,7 +8,7 @@ import click
 from r3gw.cli import check, data, photos, report, runs, score, use, view  # noqa: F401
 from r3gw.cli.group import cli
 from r3gw.files import InputError, sentence_of
-from r3gw.files.extras import missing_extra
+from r3gw.files.extras import missing_extra, missing_system_library
 from r3gw.files.processes import end_with_owner
 from r3gw.native.code import require_current_extension, require_same_code
 
@@ -42,6 +42,10 @@ def _ended_by() -> str | None:
         if (missing := missing_extra(error)) is error:
             raise
         return str(missing)
+    except (ImportError, NameError) as error:  # drjit ends in a NameError
+        if (system := missing_system_library(error)) is None:
+            raise
+        return str(system)
     return None
 
 

@@ -1,6 +1,7 @@
 """Libraries that only some uses of r3gw need, and the extra of pip that installs each."""
 
 import importlib
+import re
 from types import ModuleType
 
 from r3gw.files.errors import InputError
@@ -40,3 +41,21 @@ def missing_extra(error: ModuleNotFoundError) -> Exception:
         f"this needs the Python library {library}, which is not installed: "
         f"pip install 'r3gw[{EXTRAS[library]}]'"
     )
+
+
+def missing_system_library(error: BaseException) -> InputError | None:
+    """One sentence for a library of the operating system that a Python library did not find.
+
+    Some libraries fail in another way in the wake of it, so what led to the error counts too.
+    """
+    cause: BaseException | None = error
+    while cause is not None:
+        found = re.match(r"(\S+): cannot open shared object file", str(cause))
+        if isinstance(cause, ImportError) and found:
+            return InputError(
+                f"{found[1]}: this library of the operating system is not installed; install it, "
+                "such as libatomic1 for libatomic.so.1 and libgomp1 for libgomp.so.1 on Debian and "
+                "Ubuntu (docs/install.md)"
+            )
+        cause = cause.__cause__ or cause.__context__
+    return None

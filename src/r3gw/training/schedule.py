@@ -16,6 +16,11 @@ def scaled(paper_iteration: int, iterations: int, paper_iterations: int) -> int:
     return max(1, round(paper_iteration * iterations / paper_iterations))
 
 
+def smaller_photos_share(settings: TrainSettings) -> float:
+    """Most pixels that smaller copies of the photos hold at a time, as a share of the photos'."""
+    return ((PHOTO_STEPS - 1) / PHOTO_STEPS) ** 2 if settings.resolution.smallest < 1.0 else 0.0
+
+
 @dataclass(frozen=True)
 class Schedule:
     """Milestones in this run's own iterations, which count from 1."""

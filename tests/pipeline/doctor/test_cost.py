@@ -74,6 +74,16 @@ def test_shadows_take_the_time_that_a_run_with_them_took():
     assert seconds[1] - seconds[0] == pytest.approx(58 - 25, rel=0.3, abs=0)
 
 
+def test_photos_that_grow_are_kept_once_more_at_seven_eighths():
+    """100 million pixels of 5 bytes, and 49/64 of them again."""
+    size = SceneSize(foreground=1000, sky=0, photos=100, photo_pixels=100_000_000)
+    megabytes = [
+        predicted(train_settings(**changes), size).memory_mb
+        for changes in ({}, {"resolution": {"smallest": 0.25, "whole_from": 20000}})
+    ]
+    assert megabytes[1] - megabytes[0] == pytest.approx(500 * 49 / 64, rel=1e-6, abs=0)
+
+
 @pytest.mark.parametrize(
     ("seconds", "said"), [(42, "42 s"), (600, "10 min"), (10_000, "2.8 h"), (400_000, "4.6 days")]
 )

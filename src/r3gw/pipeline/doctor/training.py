@@ -13,6 +13,7 @@ from r3gw.files import InputError
 from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.pipeline.doctor.cost import Cost, predicted_cost, shadows_cost, spoken_time
 from r3gw.pipeline.doctor.findings import Findings
+from r3gw.training.schedule import smaller_photos_share
 from r3gw.training.settings import TrainSettings
 
 
@@ -81,7 +82,8 @@ def predicted(settings: TrainSettings, size: SceneSize) -> Cost:
     """Time and memory of one training of a scene."""
     last = max(size.gaussians, settings.density.max_gaussians)
     pixels = size.photo_pixels / size.photos
-    plain = predicted_cost(settings.iterations, size.gaussians, last, pixels, size.photo_pixels)
+    kept = round(size.photo_pixels * (1 + smaller_photos_share(settings)))
+    plain = predicted_cost(settings.iterations, size.gaussians, last, pixels, kept)
     shadows = settings.occlusion
     if not shadows.enabled:
         return plain
