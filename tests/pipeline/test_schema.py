@@ -44,7 +44,7 @@ def test_settings_of_this_repository_are_valid(repository, validators, name):
 
 def test_studies_of_this_repository_are_valid(repository, validators):
     studies = sorted((repository / "config/studies").glob("*.yaml"))
-    assert len(studies) == 3
+    assert len(studies) == 4
     base = yaml.safe_load((repository / "config/config.yaml").read_text())
     for path in studies:
         validators["config"].validate(base | yaml.safe_load(path.read_text()))

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from r3gw.geometry.cameras import Camera
-from r3gw.rendering.sun_shadow import sun_shadow
+from r3gw.rendering.sun_shadow import Gaussians, reach, sun_shadow
 
 SPACING = 0.05
 ROOF_HEIGHT, ROOF_HALF = 1.5, 0.8  # a square roof over the middle of the ground, up is -y
@@ -20,17 +20,20 @@ def level_sheet(height: float, half: float) -> torch.Tensor:
     return torch.stack([x, torch.full_like(x, -height), z], dim=-1).reshape(-1, 3)
 
 
-def shadow_of_roof(elevation_deg: float, azimuth_deg: float):
+def roof_and_ground() -> Gaussians:
     means = torch.cat([level_sheet(0.0, GROUND_HALF), level_sheet(ROOF_HEIGHT, ROOF_HALF)])
     count = len(means)
     quaternions = torch.tensor([1.0, 0.0, 0.0, 0.0]).expand(count, 4).contiguous()
     scales = torch.tensor([0.6 * SPACING, 0.002, 0.6 * SPACING]).expand(count, 3).contiguous()
-    opacities = torch.full((count,), 0.9)
+    return Gaussians(means, quaternions, scales, torch.full((count,), 0.9))
+
+
+def shadow_of_roof(elevation_deg: float, azimuth_deg: float):
     elevation, azimuth = radians(elevation_deg), radians(azimuth_deg)
     sun = torch.tensor(
         [cos(elevation) * sin(azimuth), -sin(elevation), cos(elevation) * cos(azimuth)]
     )
-    return sun_shadow(means, quaternions, scales, opacities, sun)
+    return sun_shadow(roof_and_ground(), sun)
 
 
 @pytest.mark.parametrize("elevation", [35.0, 60.0])
@@ -81,12 +84,36 @@ def test_pixels_are_as_lit_as_the_points_that_they_show():
 
 
 def test_an_empty_scene_and_a_vertical_sun():
-    nothing = sun_shadow(
+    unseen = Gaussians(
         torch.zeros(1, 3),
         torch.tensor([[1.0, 0.0, 0.0, 0.0]]),
         torch.full((1, 3), 0.1),
         torch.zeros(1),
-        torch.tensor([0.0, -1.0, 0.0]),
     )
+    nothing = sun_shadow(unseen, torch.tensor([0.0, -1.0, 0.0]))
     lit = nothing.visibility(torch.tensor([[0.0, 1.0, 0.0]]))
     torch.testing.assert_close(lit, torch.ones(1), rtol=0, atol=1e-6)
+
+
+def test_a_gaussian_is_as_lit_as_the_pixels_that_show_it():
+    """On a grid of small Gaussians: those of the ground in the roof's shadow, and the others."""
+    gaussians, shadow = roof_and_ground(), shadow_of_roof(50.0, 90.0)
+    camera = Camera.looking_at([0.0, 0.0, 0.1], position=[0.0, -7.0, 0.0], width=120, height=120)
+    found = reach(gaussians, [camera], shadow)
+    shift, means = ROOF_HEIGHT / tan(radians(50.0)), gaussians.means
+    is_ground = means[:, 1] == 0
+    along = (means[:, 0] + shift).abs()  # the sun stands at +x, so the shadow falls to -x
+    # Beside what the roof hides from a camera high above.
+    is_seen = means[:, 0] < -ROOF_HALF * 7.0 / (7.0 - ROOF_HEIGHT) - 0.15
+    is_deep = is_ground & is_seen & (along < ROOF_HALF - 0.3) & (means[:, 2].abs() < 0.4)
+    is_out = is_ground & (means[:, 0] > 1.5) & (means.abs().amax(dim=-1) < 2.5)
+    assert int(is_deep.sum()) > 20
+    assert float(found[is_deep].max()) < 0.15
+    assert float(found[is_out].min()) > 0.9
+
+
+def test_what_no_camera_sees_is_as_lit_as_its_middle():
+    gaussians, shadow = roof_and_ground(), shadow_of_roof(50.0, 90.0)
+    away = Camera.looking_at([0.0, -9.0, 50.0], position=[0.0, -9.0, 20.0], width=8, height=8)
+    found = reach(gaussians, [away], shadow)
+    torch.testing.assert_close(found, shadow.visibility(gaussians.means), rtol=0, atol=0)

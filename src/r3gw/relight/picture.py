@@ -1,12 +1,9 @@
 """One frame: shade, rasterize four channels, put the sky behind.
 
-The fourth channel is the foreground's opacity; a sun adds four more, and its shadows fall pixel by
-pixel. A learned sky colours the sky's Gaussians, as in
+The fourth channel is the foreground's opacity. A learned sky colours the sky's Gaussians, as in
 training. A white sky or an environment map is seen per pixel instead, in place of the sky's
 Gaussians. What neither set covers is sky or black (`r3gw.relight.uncovered`).
 """
-
-from typing import NamedTuple
 
 import torch
 from jaxtyping import Bool, Float
@@ -17,7 +14,7 @@ from r3gw.lighting.light import Light
 from r3gw.lighting.skies import LearnedSky
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.seen import dimmed
-from r3gw.relight.sunlit import colours_in_sun_and_shade, depth_of, shadow_on, sun_on
+from r3gw.relight.sunlit import colours_in_sun_and_shade, reaches, sun_on
 from r3gw.relight.tone import Curve
 from r3gw.relight.uncovered import other_sky_seen, own_sky_behind
 from r3gw.relight.witnesses import Witnesses
@@ -84,51 +81,31 @@ def frame(
             shown dark (`r3gw.relight.seen.dimmed`); None dims none.
     """
     has_own_sky = isinstance(light.sky, LearnedSky)
-    sky_colours = sky_values(gaussians, camera.centre, light, curve) if has_own_sky else None
-    drawn = _composited(gaussians, camera, light, curve, sky_colours, dim_but)
-    sky = (drawn.alpha[..., None] - drawn.foreground).clamp_min(0.0)
+    features = torch.zeros(len(gaussians.means), 4)
+    colours = sunlit_values(gaussians, camera, light, curve)
+    features[: gaussians.num_foreground, :3] = (
+        colours if dim_but is None else dimmed(colours, dim_but)
+    )
+    features[: gaussians.num_foreground, 3] = 1.0
+    if has_own_sky:
+        features[gaussians.num_foreground :, :3] = sky_values(
+            gaussians, camera.centre, light, curve
+        )
+    drawn = gaussians.drawn(features, camera)
+    foreground = drawn.features[..., 3:]
+    sky = (drawn.alpha[..., None] - foreground).clamp_min(0.0)
     dark = torch.zeros_like(sky) if witnesses is None else witnesses.darkness(camera)
     weight = own_sky_behind if has_own_sky else other_sky_seen
     behind = seen_sky(light, pixel_directions(camera), curve)
-    return drawn.colour + weight(drawn.foreground, sky, dark) * behind
+    return drawn.features[..., :3] + weight(foreground, sky, dark) * behind
 
 
-class _Composited(NamedTuple):
-    """Both sets of Gaussians on black, and what of a pixel they cover, the foreground by itself."""
-
-    colour: Float[Tensor, "h w 3"]
-    foreground: Float[Tensor, "h w 1"]
-    alpha: Float[Tensor, "h w"]
-
-
-def _composited(
-    gaussians: Relightable,
-    camera: Camera,
-    light: Light,
-    curve: Curve,
-    sky_colours: Float[Tensor, "s 3"] | None,
-    dim_but: Bool[Tensor, "f"] | None,
-) -> _Composited:
-    """Shade and draw; a sky without colours leaves its Gaussians black."""
-    count = gaussians.num_foreground
-
-    def columns(colours: Float[Tensor, "f 3"]) -> Float[Tensor, "n 3"]:
-        own = colours if dim_but is None else dimmed(colours, dim_but)
-        behind = torch.zeros(gaussians.num_sky, 3) if sky_colours is None else sky_colours
-        return torch.cat([own, behind])
-
-    is_foreground = (torch.arange(len(gaussians.means)) < count).float()[:, None]
+def sunlit_values(
+    gaussians: Relightable, camera: Camera, light: Light, curve: Curve
+) -> Float[Tensor, "f 3"]:
+    """Colours of the foreground as a camera sees it, with the shadows of a sun."""
     sun = sun_on(gaussians, light)
     if sun is None:
-        values = columns(foreground_values(gaussians, camera.centre, light, curve))
-        drawn = gaussians.drawn(torch.cat([values, is_foreground], dim=-1), camera)
-        return _Composited(drawn.features[..., :3], drawn.features[..., 3:], drawn.alpha)
+        return foreground_values(gaussians, camera.centre, light, curve)
     in_sun, in_shade = colours_in_sun_and_shade(gaussians, camera.centre, light, sun, curve)
-    pose = camera.cam_from_world.float()
-    depths = gaussians.means @ pose[2, :3] + pose[2, 3]
-    features = [columns(in_sun), columns(in_shade), is_foreground, depths[:, None]]
-    drawn = gaussians.drawn(torch.cat(features, dim=-1), camera)
-    image, shadow = drawn.features, shadow_on(gaussians, sun)
-    lit = shadow.seen_from(camera, depth_of(image[..., 7], drawn.alpha))
-    colour = torch.lerp(image[..., 3:6], image[..., :3], lit[..., None])
-    return _Composited(colour, image[..., 6:7], drawn.alpha)
+    return torch.lerp(in_shade, in_sun, reaches(gaussians, [camera], sun)[:, None])

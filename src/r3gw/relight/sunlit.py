@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from math import pi
 
-import torch
 from jaxtyping import Float
 from torch import Tensor
 from torch.nn.functional import normalize
@@ -14,10 +13,9 @@ from r3gw.lighting.sh import degree_of
 from r3gw.lighting.sun import PointSun
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.tone import Curve
-from r3gw.rendering.compose import SMALLEST_ALPHA
 from r3gw.rendering.cook_torrance import face_camera
 from r3gw.rendering.shading import shade_foreground
-from r3gw.rendering.sun_shadow import SunShadow, sun_shadow
+from r3gw.rendering.sun_shadow import Gaussians, reach, sun_shadow
 from r3gw.rendering.sunlight import bounced_irradiance, sun_radiance
 
 
@@ -26,18 +24,6 @@ def sun_on(gaussians: Relightable, light: Light) -> PointSun | None:
     if light.point is None or not gaussians.has_point_sun:
         return None
     return light.point.times(gaussians.sharp)
-
-
-def shadow_on(gaussians: Relightable, sun: PointSun) -> SunShadow:
-    """What stands in the sun."""
-    count = gaussians.num_foreground
-    return sun_shadow(
-        gaussians.means[:count],
-        gaussians.quaternions[:count],
-        gaussians.scales[:count],
-        gaussians.opacities[:count],
-        sun.direction,
-    )
 
 
 def colours_in_sun_and_shade(
@@ -79,36 +65,17 @@ def colours_in_sun_and_shade(
     return curve(in_shade + added), curve(in_shade)
 
 
-def depth_of(depth: Float[Tensor, "h w"], alpha: Float[Tensor, "h w"]) -> Float[Tensor, "h w"]:
-    """Expected camera z of pixels, from what was composited."""
-    return depth / alpha.clamp_min(SMALLEST_ALPHA)
-
-
 def reaches(gaussians: Relightable, cameras: Sequence[Camera], sun: PointSun) -> Float[Tensor, "f"]:
-    """Share of the sun that reaches each foreground Gaussian, for colours that are baked.
-
-    It is the mean over the pixels in which cameras see a Gaussian, weighted by how much of it they
-    see, of the share that reaches the pixel. What none sees takes the share at its middle.
+    """Share of the sun that reaches each foreground Gaussian, as cameras see it.
 
     Args:
         gaussians: The scene.
-        cameras: Those that the colours are to suit.
+        cameras: One for its picture, several for colours that are to suit all of them.
         sun: The sun.
     """
-    count, shadow = gaussians.num_foreground, shadow_on(gaussians, sun)
-    total = torch.zeros(count, 2)
-    for camera in cameras:
-        depths = gaussians.means @ camera.cam_from_world[2, :3].float()
-        depths = depths + float(camera.cam_from_world[2, 3])
-        with torch.no_grad():
-            drawn = gaussians.drawn(depths[:, None], camera)
-            lit = shadow.seen_from(camera, depth_of(drawn.planes[0], drawn.alpha))
-        with torch.enable_grad():
-            # A Gaussian's share of a pixel is how the pixel changes with what the Gaussian holds.
-            held = torch.zeros(len(gaussians.means), 2, requires_grad=True)
-            planes = gaussians.drawn(held, camera).planes
-            sums = (planes * torch.stack([lit, torch.ones_like(lit)])).sum()
-            total += torch.autograd.grad(sums, held)[0][:count]
-    is_seen = total[:, 1] > SMALLEST_ALPHA
-    middle = shadow.visibility(gaussians.means[:count])
-    return torch.where(is_seen, total[:, 0] / total[:, 1].clamp_min(SMALLEST_ALPHA), middle)
+    count = gaussians.num_foreground
+    everything = Gaussians(
+        gaussians.means, gaussians.quaternions, gaussians.scales, gaussians.opacities
+    )
+    foreground = Gaussians(*(each[:count] for each in everything))
+    return reach(everything, cameras, sun_shadow(foreground, sun.direction))[:count]

@@ -4,8 +4,10 @@ The foreground is drawn by the rasterizer from far away in the sun's direction. 
 sun as far as nothing that covers its place on that map lies nearer to the sun.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Float
@@ -14,7 +16,7 @@ from torch import Tensor
 from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.model.attributes import LOG_SCALES, MEANS, OPACITY, QUATERNIONS
 from r3gw.model.model import SceneModel
-from r3gw.raster import rasterize
+from r3gw.raster import RasterResult, rasterize
 
 BOX_QUANTILES = (
     0.01,
@@ -27,6 +29,29 @@ DISTANCE = 100.0  # of the camera, in half diagonals of the box: its rays are ne
 # share of the box's longest side is the same surface. SOFTNESS is how gradually that ends.
 BIAS, SOFTNESS = 0.015, 0.002
 SMALLEST_ALPHA = 1e-3
+
+
+class Gaussians(NamedTuple):
+    """Gaussians as the rasterizer takes them; no gradient goes to them."""
+
+    means: Float[Tensor, "n 3"]
+    quaternions: Float[Tensor, "n 4"]
+    scales: Float[Tensor, "n 3"]
+    opacities: Float[Tensor, "n"]
+
+    def drawn(self, features: Float[Tensor, "n c"], camera: Camera) -> RasterResult:
+        """Composite values of them as a camera sees them."""
+        return rasterize(
+            self.means.detach(),
+            self.quaternions.detach(),
+            self.scales.detach(),
+            self.opacities.detach(),
+            features,
+            camera.cam_from_world.float(),
+            camera.intrinsics,
+            camera.width,
+            camera.height,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,35 +111,19 @@ class SunShadow:
 
 
 @torch.no_grad()
-def sun_shadow(
-    means: Float[Tensor, "n 3"],
-    quaternions: Float[Tensor, "n 4"],
-    scales: Float[Tensor, "n 3"],
-    opacities: Float[Tensor, "n"],
-    direction: Float[Tensor, "3"],
-) -> SunShadow:
+def sun_shadow(gaussians: Gaussians, direction: Float[Tensor, "3"]) -> SunShadow:
     """Draw the foreground as the sun sees it.
 
     Args:
-        means, quaternions, scales, opacities: The foreground's Gaussians, as the rasterizer takes
-            them.
+        gaussians: The foreground.
         direction: Unit vector towards the sun.
     """
+    means = gaussians.means.detach()
     camera, longest = _sun_camera(means, direction)
     z = means.double() @ camera.cam_from_world[2, :3] + camera.cam_from_world[2, 3]
     nearest = float(z.min()) if len(z) else 0.0
-    features = torch.stack([(z - nearest).float(), torch.ones_like(opacities)], dim=-1)
-    drawn = rasterize(
-        means,
-        quaternions,
-        scales,
-        opacities,
-        features,
-        camera.cam_from_world.float(),
-        camera.intrinsics,
-        camera.width,
-        camera.height,
-    )
+    features = torch.stack([(z - nearest).float(), torch.ones_like(gaussians.opacities)], dim=-1)
+    drawn = gaussians.drawn(features, camera)
     alpha = drawn.planes[1]
     depth = drawn.planes[0] / alpha.clamp_min(SMALLEST_ALPHA)
     return SunShadow(camera, depth, alpha, nearest, BIAS * longest, SOFTNESS * longest)
@@ -142,14 +151,45 @@ def _sun_camera(means: Float[Tensor, "n 3"], direction: Float[Tensor, "3"]) -> t
     return Camera(pose, (focal, focal, *centre), width, height), longest
 
 
+def reach(gaussians: Gaussians, cameras: Sequence[Camera], shadow: SunShadow) -> Float[Tensor, "n"]:
+    """Share of the sun that reaches each Gaussian, as cameras see it.
+
+    It is the mean over the pixels in which cameras see a Gaussian, weighted by how much of it they
+    see, of the share that reaches the pixel: depths of single pixels err more than their mean over
+    a Gaussian. What none sees takes the share at its middle.
+
+    Args:
+        gaussians: All that the cameras see.
+        cameras: One or more.
+        shadow: Who stands in the sun.
+    """
+    total = torch.zeros(len(gaussians.means), 2)
+    for camera in cameras:
+        with torch.no_grad():
+            pose = camera.cam_from_world.float()
+            depths = gaussians.means @ pose[2, :3] + pose[2, 3]
+            drawn = gaussians.drawn(depths[:, None], camera)
+            depth = drawn.planes[0] / drawn.alpha.clamp_min(SMALLEST_ALPHA)
+            lit = shadow.seen_from(camera, depth)
+        with torch.enable_grad():
+            # A Gaussian's share of a pixel is how the pixel changes with what the Gaussian holds.
+            held = torch.zeros(len(total), 2, requires_grad=True)
+            planes = gaussians.drawn(held, camera).planes
+            sums = (planes * torch.stack([lit, torch.ones_like(lit)])).sum()
+            total += torch.autograd.grad(sums, held)[0]
+    is_seen = total[:, 1] > SMALLEST_ALPHA
+    middle = shadow.visibility(gaussians.means)
+    return torch.where(is_seen, total[:, 0] / total[:, 1].clamp_min(SMALLEST_ALPHA), middle)
+
+
 @torch.no_grad()
 def shadow_in(model: SceneModel, direction: Float[Tensor, "3"]) -> SunShadow:
     """A model's foreground as a sun in some direction sees it."""
     foreground = model.foreground
-    return sun_shadow(
-        foreground[MEANS.name].detach(),
-        foreground[QUATERNIONS.name].detach(),
-        LOG_SCALES.of(foreground).detach(),
-        OPACITY.of(foreground).detach(),
-        direction.detach(),
+    gaussians = Gaussians(
+        foreground[MEANS.name],
+        foreground[QUATERNIONS.name],
+        LOG_SCALES.of(foreground),
+        OPACITY.of(foreground),
     )
+    return sun_shadow(gaussians, direction)
