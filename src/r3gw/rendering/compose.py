@@ -1,10 +1,9 @@
 """One rendering pass over both sets of Gaussians: colours, depth, normals, each set by itself.
 
-A sun makes it two sets of colours in one pass: with and without it.
+A sun's shadows fall on Gaussians before they are composited.
 """
 
 from dataclasses import dataclass
-from enum import Enum, auto
 
 import torch
 from jaxtyping import Float
@@ -15,13 +14,12 @@ from r3gw.lighting.sh import degree_of
 from r3gw.lighting.sun import PointSun
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION
-from r3gw.raster import RasterResult, rasterize
+from r3gw.raster import rasterize
 from r3gw.rendering.channels import (
     COLOUR,
     DEPTH,
     FOREGROUND,
     NORMAL,
-    NUM_CHANNELS,
     NUM_LEARNED,
     Layers,
 )
@@ -79,18 +77,6 @@ class Rendering:
         return self.planes[FOREGROUND]
 
 
-class Falls(Enum):
-    """On what a sun's shadows fall.
-
-    Attributes:
-        PIXELS: On pixels, in the same pass; an edge may cross a Gaussian. Fast enough for training.
-        GAUSSIANS: On Gaussians, as the mean over the pixels that show them: nearer to the truth.
-    """
-
-    PIXELS = auto()
-    GAUSSIANS = auto()
-
-
 @dataclass(frozen=True, eq=False)
 class Sunlight:
     """A sun, and who stands in it.
@@ -98,20 +84,17 @@ class Sunlight:
     Attributes:
         sun: The sun; the light that it goes with holds it, too.
         shadow: The scene as it sees it; None where nothing stands in it.
-        falls: On what shadows fall.
     """
 
     sun: PointSun
     shadow: SunShadow | None
-    falls: Falls
 
 
 def sunlight_of(model: SceneModel, sun: PointSun | None) -> Sunlight | None:
     """A light's sun with its shadows; None where the model shades by SH alone, or it has none."""
     if sun is None or not model.description.has_point_sun:
         return None
-    shadow = shadow_in(model, sun.direction)
-    return Sunlight(sun.times(model.description.sharp), shadow, Falls.GAUSSIANS)
+    return Sunlight(sun.times(model.description.sharp), shadow_in(model, sun.direction))
 
 
 def render(
@@ -133,8 +116,7 @@ def render(
         layers: What the two sets' own channels hold.
         sunlight: The part of the light that is shaded as a sun; None shades all of it by SH.
     """
-    in_sun, in_shade = shaded_splats(model, camera, light, sky_light, layers, sunlight)
-    return drawn(in_sun, in_shade, camera, sunlight)
+    return draw(shaded_splats(model, camera, light, sky_light, layers, sunlight), camera)
 
 
 def shaded_splats(
@@ -144,13 +126,13 @@ def shaded_splats(
     sky_light: Float[Tensor, "4 3"] | None,
     layers: Layers = Layers.COLOUR,
     sunlight: Sunlight | None = None,
-) -> tuple[Splats, Float[Tensor, "n 3"] | None]:
-    """All Gaussians as if the sun reached them, and their colours without it.
+) -> Splats:
+    """All Gaussians in the colours that they show a camera, a sun's shadows included.
 
-    Arguments are those of `render`; the second is None where nothing stands in a sun.
+    Arguments are those of `render`. No gradient goes through who stands in the sun.
     """
     if sunlight is None:
-        return splats_of(model, camera, light, sky_light, layers), None
+        return splats_of(model, camera, light, sky_light, layers)
     sun, foreground = sunlight.sun, model.foreground
     rest = light - sun.sh(degree_of(len(light)))
     direct, bounced = direct_irradiance(model, camera, sun), None
@@ -159,68 +141,25 @@ def shaded_splats(
         direct = direct + bounced
     in_sun = splats_of(model, camera, rest, sky_light, layers, direct)
     if sunlight.shadow is None:
-        return in_sun, None
-    return in_sun, splats_of(model, camera, rest, sky_light, layers, bounced).colours
-
-
-def drawn(
-    in_sun: Splats,
-    in_shade: Float[Tensor, "n 3"] | None,
-    camera: Camera,
-    sunlight: Sunlight | None,
-) -> Rendering:
-    """Composite what `shaded_splats` gives."""
-    if in_shade is None or sunlight is None or sunlight.shadow is None:
-        return draw(in_sun, camera)
-    if sunlight.falls is Falls.PIXELS:
-        return draw_in_sun(in_sun, in_shade, camera, sunlight.shadow)
+        return in_sun
+    in_shade = splats_of(model, camera, rest, sky_light, layers, bounced).colours
     gaussians = Gaussians(in_sun.means, in_sun.quaternions, in_sun.scales, in_sun.opacities)
     lit = reach(gaussians, [camera], sunlight.shadow)[:, None]
-    return draw(in_sun.with_colours(torch.lerp(in_shade, in_sun.colours, lit)), camera)
+    return in_sun.with_colours(torch.lerp(in_shade, in_sun.colours, lit))
 
 
 def draw(splats: Splats, camera: Camera) -> Rendering:
     """Composite Gaussians with everything that the losses need."""
-    result = _rasterized(splats, splats.features, camera)
-    return Rendering(result.planes, result.alpha, result.radii_px, result.means2d, splats)
-
-
-def draw_in_sun(
-    in_sun: Splats, in_shade: Float[Tensor, "n 3"], camera: Camera, shadow: SunShadow
-) -> Rendering:
-    """As `draw`, with shadows pixel by pixel.
-
-    Colours of the sunlit and of the shaded scene are composited side by side, and every pixel takes
-    as much of the former as the sun reaches what it shows. So an edge of a shadow may cross a
-    Gaussian.
-
-    Args:
-        in_sun: All Gaussians, as if the sun reached them.
-        in_shade: Their colours without it.
-        camera: The view.
-        shadow: Who stands in the sun; no gradient goes there.
-    """
-    width = COLOUR.stop
-    features = torch.cat([in_shade, in_sun.features], dim=-1)
-    result = _rasterized(in_sun, features, camera)
-    in_shade_planes, planes = result.planes[:width], result.planes[width:]
-    depth = planes[DEPTH] / result.alpha.clamp_min(SMALLEST_ALPHA)
-    colour = torch.lerp(in_shade_planes, planes[COLOUR], shadow.seen_from(camera, depth))
-    planes = torch.cat([colour, planes[width:]])
-    return Rendering(planes, result.alpha, result.radii_px, result.means2d, in_sun)
-
-
-def _rasterized(splats: Splats, features: Float[Tensor, "n c"], camera: Camera) -> RasterResult:
-    """Composite features of Gaussians, the last columns being those that learn nothing."""
-    return rasterize(
+    result = rasterize(
         splats.means,
         splats.quaternions,
         splats.scales,
         splats.opacities,
-        features,
+        splats.features,
         camera.cam_from_world.to(splats.means),
         camera.intrinsics,
         camera.width,
         camera.height,
-        num_feature_gradients=features.shape[1] - NUM_CHANNELS + NUM_LEARNED,
+        num_feature_gradients=NUM_LEARNED,
     )
+    return Rendering(result.planes, result.alpha, result.radii_px, result.means2d, splats)

@@ -12,7 +12,7 @@ from r3gw.lighting import sh
 from r3gw.model.attributes import ALBEDO
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
-from r3gw.rendering.compose import SMALLEST_ALPHA, Sunlight, draw, drawn, shaded_splats
+from r3gw.rendering.compose import SMALLEST_ALPHA, Sunlight, draw, shaded_splats
 from r3gw.rendering.splats import splats_of
 
 
@@ -73,13 +73,12 @@ def foreground_and_sky(
         sky_light: Sky coefficients; None paints the sky white.
         sunlight: The part of the light that is shaded as a sun.
     """
-    in_sun, in_shade = shaded_splats(model, camera, light, sky_light, sunlight=sunlight)
-    colours = in_sun.colours
+    splats = shaded_splats(model, camera, light, sky_light, sunlight=sunlight)
+    colours = splats.colours
     rows = torch.arange(len(colours), device=colours.device)[:, None]
     is_foreground = rows < len(model.foreground)
     shares = []
     for is_shown in (is_foreground, ~is_foreground):
-        alone = in_sun.with_colours(colours * is_shown)
-        shade = None if in_shade is None else in_shade * is_shown
-        shares.append(_array(drawn(alone, shade, camera, sunlight).colour))
+        shown = draw(splats.with_colours(colours * is_shown), camera)
+        shares.append(_array(shown.colour))
     return shares[0], shares[1]

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
-from r3gw.rendering.compose import Rendering, drawn, shaded_splats
+from r3gw.rendering.compose import Rendering, draw, shaded_splats
 from r3gw.training.dropping import dropped, share_at
 from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
@@ -53,10 +53,9 @@ def objective(
     if lit.sun is not None:
         row = model.appearance.rows[index]
         sunlight = sun_shadows.of(model, row, lit.sun, iteration, schedule)
-    splats, in_shade = shaded_splats(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
+    splats = shaded_splats(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
     share = share_at(iteration, settings.iterations, settings.dropping.share)
-    seen = dropped(splats, share, generator)
-    rendering = drawn(seen, in_shade, photo.camera, sunlight)
+    rendering = draw(dropped(splats, share, generator), photo.camera)
     acting = acting_weights(settings, schedule, iteration)
     pixels = losses.picture(
         rendering.planes,

@@ -8,7 +8,7 @@ from torch import Tensor
 from r3gw.geometry.cameras import Camera
 from r3gw.lighting.sun import PointSun
 from r3gw.model.model import SceneModel
-from r3gw.rendering.compose import Falls, Sunlight
+from r3gw.rendering.compose import Sunlight
 from r3gw.rendering.sun_shadow import SunShadow, shadow_in
 from r3gw.training.schedule import Schedule
 
@@ -39,14 +39,14 @@ class SunShadows:
             schedule: Says when shadows begin, and when they are old.
         """
         if iteration < schedule.occlusion_first:
-            return Sunlight(sun.times(model.description.sharp), None, Falls.PIXELS)
+            return Sunlight(sun.times(model.description.sharp), None)
         since, shadow = self.cast.get(row, (NEVER, None))
         if shadow is None or iteration - since >= schedule.shadow_age:
             shadow = shadow_in(model, sun.direction)
             self.cast[row] = (iteration, shadow)
             if len(self.cast) > MOST_KEPT:
                 del self.cast[min(self.cast, key=lambda each: self.cast[each][0])]
-        return Sunlight(sun.times(model.description.sharp), shadow, Falls.PIXELS)
+        return Sunlight(sun.times(model.description.sharp), shadow)
 
     def tensors(self) -> dict[str, Tensor]:
         """What a checkpoint keeps of the maps as arrays, by name."""
