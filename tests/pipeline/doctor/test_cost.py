@@ -4,7 +4,8 @@ import pytest
 from support.settings import train_settings
 
 from r3gw.pipeline.doctor.cost import MEASURED, predicted_cost, spoken_time
-from r3gw.pipeline.doctor.training import SceneSize, predicted
+from r3gw.pipeline.doctor.findings import Findings
+from r3gw.pipeline.doctor.training import SceneSize, describe_training, predicted
 
 
 def test_the_measured_run_is_predicted():
@@ -82,6 +83,19 @@ def test_photos_that_grow_are_kept_once_more_at_seven_eighths():
         for changes in ({}, {"resolution": {"smallest": 0.25, "whole_from": 20000}})
     ]
     assert megabytes[1] - megabytes[0] == pytest.approx(500 * 49 / 64, rel=1e-6, abs=0)
+
+
+def test_time_is_said_for_few_and_for_all_gaussians():
+    """Half of the time of an iteration hangs on the number of Gaussians, here one to ten."""
+    size = SceneSize(foreground=15_000, sky=0, photos=20, photo_pixels=20 * 240 * 180)
+    runs = [train_settings(iterations=1000, density={"max_gaussians": 150_000})] * 2
+    findings = Findings("place")
+    describe_training(size, runs, findings)
+    least_s, most_s = 20.4, 20.4 * (0.55 + 0.45 * 5.5)
+    assert findings.facts["time"] == (
+        f"{least_s:.0f} s to {most_s:.0f} s per training on one core, as the Gaussians stay few or "
+        f"grow to their most, {2 * least_s:.0f} s to {2 * most_s / 60:.0f} min for all 2"
+    )
 
 
 @pytest.mark.parametrize(

@@ -64,11 +64,16 @@ def describe_training(size: SceneSize, runs: Sequence[TrainSettings], findings: 
         f"at most {max(most, first):,}"
     )
     costs = [predicted(settings, size) for settings in runs]
-    longest, largest = max(c.seconds for c in costs), max(c.memory_mb for c in costs)
-    total = spoken_time(sum(cost.seconds for cost in costs))
+    least = [predicted_with(settings, size, first) for settings in runs]
+    largest = max(cost.memory_mb for cost in costs)
+    each = _spoken_range(max(c.seconds for c in least), max(c.seconds for c in costs))
+    total = _spoken_range(sum(c.seconds for c in least), sum(c.seconds for c in costs))
     all_of_them = f", {total} for all {len(costs)}" if len(costs) > 1 else ""
-    findings.facts["time"] = f"about {spoken_time(longest)} per training on one core{all_of_them}"
-    findings.facts["memory"] = f"about {largest / 1000:.1f} GB per training"
+    findings.facts["time"] = (
+        f"{each} per training on one core, as the Gaussians stay few or grow to their most"
+        f"{all_of_them}"
+    )
+    findings.facts["memory"] = f"up to {largest / 1000:.1f} GB per training"
     available = physical_memory_mb()
     if largest > available:
         findings.problems.append(
@@ -78,9 +83,19 @@ def describe_training(size: SceneSize, runs: Sequence[TrainSettings], findings: 
         )
 
 
+def _spoken_range(least_s: float, most_s: float) -> str:
+    """Two durations for people, one where both are said alike."""
+    least, most = spoken_time(least_s), spoken_time(most_s)
+    return f"about {most}" if least == most else f"{least} to {most}"
+
+
 def predicted(settings: TrainSettings, size: SceneSize) -> Cost:
-    """Time and memory of one training of a scene."""
-    last = max(size.gaussians, settings.density.max_gaussians)
+    """Time and memory of one training of a scene whose Gaussians grow to their largest number."""
+    return predicted_with(settings, size, max(size.gaussians, settings.density.max_gaussians))
+
+
+def predicted_with(settings: TrainSettings, size: SceneSize, last: int) -> Cost:
+    """Time and memory of one training of a scene that ends with ``last`` Gaussians."""
     pixels = size.photo_pixels / size.photos
     kept = round(size.photo_pixels * (1 + smaller_photos_share(settings)))
     plain = predicted_cost(settings.iterations, size.gaussians, last, pixels, kept)
