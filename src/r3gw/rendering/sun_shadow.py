@@ -165,21 +165,20 @@ def reach(gaussians: Gaussians, cameras: Sequence[Camera], shadow: SunShadow) ->
     """
     total = torch.zeros(len(gaussians.means), 2)
     for camera in cameras:
-        with torch.no_grad():
-            pose = camera.cam_from_world.float()
-            depths = gaussians.means @ pose[2, :3] + pose[2, 3]
-            drawn = gaussians.drawn(depths[:, None], camera)
-            depth = drawn.planes[0] / drawn.alpha.clamp_min(SMALLEST_ALPHA)
-            lit = shadow.seen_from(camera, depth)
+        pose = camera.cam_from_world.float()
+        depths = gaussians.means.detach() @ pose[2, :3] + pose[2, 3]
         with torch.enable_grad():
             # A Gaussian's share of a pixel is how the pixel changes with what the Gaussian holds.
             held = torch.zeros(len(total), 2, requires_grad=True)
-            planes = gaussians.drawn(held, camera).planes
-            sums = (planes * torch.stack([lit, torch.ones_like(lit)])).sum()
+            drawn = gaussians.drawn(torch.cat([depths[:, None], held], dim=-1), camera)
+            depth = drawn.planes[0] / drawn.alpha.clamp_min(SMALLEST_ALPHA)
+            lit = shadow.seen_from(camera, depth)
+            sums = (drawn.planes[1:] * torch.stack([lit, torch.ones_like(lit)])).sum()
             total += torch.autograd.grad(sums, held)[0]
-    is_seen = total[:, 1] > SMALLEST_ALPHA
-    middle = shadow.visibility(gaussians.means)
-    return torch.where(is_seen, total[:, 0] / total[:, 1].clamp_min(SMALLEST_ALPHA), middle)
+    is_unseen = total[:, 1] <= SMALLEST_ALPHA
+    reached = total[:, 0] / total[:, 1].clamp_min(SMALLEST_ALPHA)
+    reached[is_unseen] = shadow.visibility(gaussians.means.detach()[is_unseen])
+    return reached
 
 
 @torch.no_grad()
