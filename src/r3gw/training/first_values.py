@@ -7,7 +7,7 @@ what stands before the sky. Training starts from an even light of the mean of bo
 albedo that under it looks as bright as the photos' foreground does on average.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import torch
 
@@ -54,9 +54,9 @@ def shown_radiance(photos: Sequence[Photo]) -> float:
     Raises:
         InputError: If no photo shows any foreground.
     """
-    skies = [float(pixels.mean()) for pixels in _shown(photos, of_sky=True)]
+    skies = _photo_means(photos, of_sky=True, value=_display)
     sky = _mean(skies) if skies else UNSEEN_SKY
-    foreground = _mean([float(pixels.mean()) for pixels in _foregrounds(photos)])
+    foreground = _mean(_foreground_means(photos, _display))
     return round(0.5 * (sky + foreground), 4)
 
 
@@ -66,13 +66,17 @@ def shown_albedo(photos: Sequence[Photo], radiance: float) -> float:
     Raises:
         InputError: If no photo shows any foreground.
     """
-    linear = [float(linear_from_display(pixels).mean()) for pixels in _foregrounds(photos)]
+    linear = _foreground_means(photos, linear_from_display)
     low, high = ALBEDO_RANGE
     return round(min(max(_mean(linear) / radiance, low), high), 4)
 
 
-def _foregrounds(photos: Sequence[Photo]) -> list[torch.Tensor]:
-    found = _shown(photos, of_sky=False)
+def _display(pixels: torch.Tensor) -> torch.Tensor:
+    return pixels
+
+
+def _foreground_means(photos: Sequence[Photo], value: Callable[..., torch.Tensor]) -> list[float]:
+    found = _photo_means(photos, of_sky=False, value=value)
     if not found:
         raise InputError(
             "no training photo shows anything but sky and occluders; look at the masks, or give "
@@ -81,13 +85,22 @@ def _foregrounds(photos: Sequence[Photo]) -> list[torch.Tensor]:
     return found
 
 
-def _shown(photos: Sequence[Photo], *, of_sky: bool) -> list[torch.Tensor]:
-    """Display values ``[3, K]`` of the valid pixels of one kind, of photos that show enough."""
+def _photo_means(
+    photos: Sequence[Photo], *, of_sky: bool, value: Callable[..., torch.Tensor]
+) -> list[float]:
+    """Mean over the valid pixels of one kind, of each photo that shows enough of them.
+
+    Args:
+        photos: One is looked at after the other, since all of them in float32 would need more
+            memory than the training does.
+        of_sky: Whether sky is meant, or what stands before it.
+        value: What of display values ``[3, K]`` is averaged.
+    """
     found = []
     for photo in photos:
         is_meant = (photo.is_sky if of_sky else ~photo.is_sky) & photo.is_valid
         if int(is_meant.sum()) >= FEWEST_PIXELS:
-            found.append(photo.planes[:, is_meant].float() / 255.0)
+            found.append(float(value(photo.planes[:, is_meant].float() / 255.0).mean()))
     return found
 
 
