@@ -29,7 +29,7 @@ from r3gw.files import atomic_path
 from r3gw.files.strict import read_yaml
 from r3gw.model.initial import load_initial
 from r3gw.native import ops
-from r3gw.scene import View, load_scene
+from r3gw.scene import load_scene
 from r3gw.training.first_values import with_first_values
 from r3gw.training.loop import step
 from r3gw.training.photos import camera_extent, load_photos
@@ -63,7 +63,7 @@ class Run:
         self.state, self.schedule = first_state(model, settings), Schedule.of(settings)
         self.sizes = PhotoSizes(photos, self.schedule)
         self.extent = camera_extent([photo.camera for photo in photos])
-        self.compared: list[View] = views[:: max(1, len(views) // MOST_PHOTOS)]
+        self.compared = list(views[:: max(1, len(views) // MOST_PHOTOS)])
         self.seconds = 0.0
 
     def advance(self, turn: int) -> None:
@@ -164,11 +164,11 @@ def main(
                     rows.append(each.row())
                     print(pd.DataFrame(rows[-1:]).to_string(index=False, header=False), flush=True)
     frame = pd.DataFrame(rows)
-    for seed, of_seed in frame.groupby("seed"):
+    for drawn, of_seed in frame.groupby("seed"):
         first = of_seed[of_seed.run == of_seed.run.iloc[0]]
         psnr = first.psnr.iloc[-1]
-        for name, of_run in of_seed.groupby("run", sort=False):
-            print(f"seed {seed}, {name}: {seconds_to(of_run, psnr):.1f} s to {psnr:.2f} dB")
+        for run_name, of_run in of_seed.groupby("run", sort=False):
+            print(f"seed {drawn}, {run_name}: {seconds_to(of_run, psnr):.1f} s to {psnr:.2f} dB")
     with atomic_path(target) as path:
         frame.to_csv(path, index=False, float_format="%.5g")
     plot(
