@@ -27,6 +27,7 @@ from r3gw.rendering.compose import render
 from r3gw.scene import Gauge
 from r3gw.training.loop import step
 from r3gw.training.photos import Photo, camera_extent
+from r3gw.training.resolution import PhotoSizes
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
 from r3gw.training.start import initial_model
@@ -93,6 +94,7 @@ class R3gwMethod(Method):
         self._model = initial_model(start, names, self._settings, None, skies)
         self._state = first_state(self._model, self._settings)
         self._schedule = Schedule.of(self._settings)
+        self._sizes = PhotoSizes(self._photos, self._schedule)
         self._extent = camera_extent([photo.camera for photo in self._photos])
 
     @classmethod
@@ -113,7 +115,7 @@ class R3gwMethod(Method):
     def train_iteration(self, step: int) -> dict[str, float]:  # noqa: ARG002  The interface's.
         """Do one iteration; which one it is, the state of the training knows."""
         self._model.appearance.train()
-        row = do_step(self._state, self._photos, self._schedule, self._extent)
+        row = do_step(self._state, self._sizes, self._schedule, self._extent)
         self._model.appearance.eval()
         return {name: float(row[name]) for name in ("loss", "psnr")} if row else {}
 
