@@ -14,10 +14,11 @@ from r3gw.imaging.files import read_linear, read_rgb, write_exr
 from r3gw.lighting import sh
 from r3gw.model.lights import photo_light
 from r3gw.model.rows import OCCLUSION
-from r3gw.relight.cameras import CameraOptions
+from r3gw.relight.cameras import CameraOptions, view_named
 from r3gw.relight.film import FilmOptions, relight
 from r3gw.relight.gaussians import relightable_of
 from r3gw.relight.lights import LightOptions, MapSource, PhotoSource, SunSource
+from r3gw.relight.load import require_scene_of
 from r3gw.relight.outputs import output_for
 from r3gw.relight.picture import frame
 from r3gw.relight.sweep import Sweep
@@ -25,6 +26,7 @@ from r3gw.relight.tone import standard
 from r3gw.relight.uncovered import other_sky_seen
 from r3gw.relight.witnesses import Witnesses
 from r3gw.rendering.compose import render
+from r3gw.scene import load_scene
 
 
 def picture(tiny, folder, light: LightOptions, view: str = "a_1", name: str = "out.png", **film):
@@ -150,6 +152,21 @@ def test_film_goes_from_one_light_to_the_other(tiny, tmp_path):
         assert seen.shape == frame_.shape
         assert np.abs(seen - frame_).mean() < 8
     assert {p.name for p in tmp_path.iterdir()} == {"film.mp4", "frames", "one.png"}
+
+
+def test_a_scene_of_other_photos_is_refused(tiny):
+    gaussians = relightable_of(tiny.model, "place/model.safetensors")
+    scene = load_scene(tiny.folder)
+    require_scene_of(gaussians, scene)
+    others = tuple(v.model_copy(update={"name": f"other_{v.name}"}) for v in scene.views)
+    with pytest.raises(InputError, match=r"place/model.safetensors: was trained on other photos"):
+        require_scene_of(gaussians, scene.model_copy(update={"views": others}))
+
+
+def test_a_photos_file_name_is_told_from_its_name(tiny):
+    scene = load_scene(tiny.folder)
+    with pytest.raises(InputError, match="views have no suffix: give 'a_1'"):
+        view_named(scene, "a_1.png")
 
 
 def test_a_film_that_fails_leaves_nothing(tmp_path):

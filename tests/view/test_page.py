@@ -117,6 +117,8 @@ def test_a_run_is_found_by_its_folder_or_its_model(tmp_path, model, scene_folder
         find_run(tmp_path / "missing", None)
     with pytest.raises(InputError, match="--scene"):
         find_run(folder, tmp_path)
+    with pytest.raises(InputError, match=r"holds no model\.safetensors; give a run's folder"):
+        find_run(folder.parent, None)
 
 
 def test_the_command_writes_a_page_of_a_model(tmp_path, model, scene_folder):

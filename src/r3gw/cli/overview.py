@@ -8,8 +8,8 @@ EXAMPLES = {
     },
     "See and use a trained scene": {
         "relight": "relight --model M --scene S --view A --sun 45 150 --output noon.png",
-        "view": "view results/mine/full/seed0",
-        "page": "page results/mine/full/seed0 --target mine.html",
+        "view": "view results/mine/r3gw_plus/seed0",
+        "page": "page results/mine/r3gw_plus/seed0 --target mine.html",
         "export": "export --model M --scene S --light-of A --target exported",
     },
     "Check and compare": {

@@ -18,6 +18,7 @@ from r3gw.scene import Scene, View
 
 # Weight of the prior in `focus`: it decides only where parallel cameras say nothing.
 PRIOR_WEIGHT = 1e-3
+MOST_NAMES = 12  # of views, in a message
 SMALLEST_STEP = 1e-6  # between two photos from the same spot, in units of the path's length
 
 
@@ -80,8 +81,13 @@ def view_named(scene: Scene, name: str) -> View:
     """
     views = {view.name: view for view in scene.views}
     if name not in views:
-        known = ", ".join(views)
-        raise InputError(f"scene '{scene.name}' has no view '{name}'; it has: {known}")
+        if (stem := name.rpartition(".")[0]) in views:
+            raise InputError(
+                f"scene '{scene.name}' has no view '{name}'; views have no suffix: give '{stem}'"
+            )
+        more = f" and {len(views) - MOST_NAMES} more" if len(views) > MOST_NAMES else ""
+        known = ", ".join([*views][:MOST_NAMES])
+        raise InputError(f"scene '{scene.name}' has no view '{name}'; it has: {known}{more}")
     return views[name]
 
 

@@ -11,7 +11,7 @@ from tqdm import tqdm
 from r3gw.files import InputError
 from r3gw.relight.cameras import CameraOptions, cameras_over_time
 from r3gw.relight.lights import LightOptions, light_over_time
-from r3gw.relight.load import load_relightable
+from r3gw.relight.load import load_relightable, require_scene_of
 from r3gw.relight.outputs import output_for
 from r3gw.relight.picture import frame
 from r3gw.relight.seen import Coverage
@@ -74,6 +74,7 @@ def relight(
         )
     torch.set_num_threads(num_threads)
     gaussians, scene = load_relightable(model_path), load_scene(scene_folder)
+    require_scene_of(gaussians, scene)
     times = [i / max(film.frames - 1, 1) for i in range(film.frames)]
     placed = cameras_over_time(scene, cameras, gaussians.middle, times)
     light_at = light_over_time(gaussians, light)

@@ -55,6 +55,11 @@ def find_run(path: Path, scene: Path | None) -> Run:
             f"{path}: no such file or folder; give a run's folder or its model.safetensors"
         )
     folder = path if path.is_dir() else path.parent
+    if path.is_dir() and not model_in(path).is_file():
+        raise InputError(
+            f"{path}: holds no {model_in(path).name}; give a run's folder, such as "
+            "results/SCENE/VARIANT/seed0"
+        )
     found = scene or scene_beside(folder)
     if not (found / "scene.json").is_file():
         raise InputError(f"{found / 'scene.json'}: no such file; name the scene with --scene")
