@@ -56,3 +56,11 @@ class LightTraining:
             generator: Draws what is random.
         """
         yield from ()
+
+
+class SunTraining(LightTraining):
+    """The training of a light model with a sun: its direction and power are learned."""
+
+    def rate(self, settings: TrainSettings) -> float:
+        """The sun's, faster in short runs."""
+        return settings.outdoor.sun_rate * settings.rates.short_run_boost

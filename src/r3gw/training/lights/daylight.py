@@ -16,7 +16,7 @@ from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.base import DaySky, LightModel
 from r3gw.model.light_models.daylight import Daylight
 from r3gw.training.first_values import first_radiance
-from r3gw.training.lights.base import LightTraining, NamedLoss, Seen
+from r3gw.training.lights.base import NamedLoss, Seen, SunTraining
 from r3gw.training.photos import Photo
 from r3gw.training.settings import OutdoorSettings, TrainSettings
 from r3gw.training.sun_from_sky import sun_from_sky
@@ -51,12 +51,8 @@ def first_daylight(settings: TrainSettings, seen: Seen) -> Daylight:
     return light
 
 
-class DaylightTraining(LightTraining):
+class DaylightTraining(SunTraining):
     """Direction and power of the sun are learned beside the MLP."""
-
-    def rate(self, settings: TrainSettings) -> float:
-        """The sun's, faster in short runs."""
-        return settings.outdoor.sun_rate * settings.rates.short_run_boost
 
     @torch.no_grad()
     def renew(self, light_model: LightModel, seen: Seen) -> None:

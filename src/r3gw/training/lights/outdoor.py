@@ -13,7 +13,7 @@ from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.base import OpenSky
 from r3gw.model.light_models.outdoor import OutdoorLight
 from r3gw.training.first_values import first_radiance
-from r3gw.training.lights.base import LightTraining, NamedLoss, Seen
+from r3gw.training.lights.base import NamedLoss, Seen, SunTraining
 from r3gw.training.losses.lighting import visible_sky_loss
 from r3gw.training.photos import Photo
 from r3gw.training.settings import OutdoorSettings, TrainSettings
@@ -29,12 +29,8 @@ def first_outdoor(settings: TrainSettings, seen: Seen) -> OutdoorLight:
     )
 
 
-class OutdoorTraining(LightTraining):
+class OutdoorTraining(SunTraining):
     """Direction and power of the sun are learned beside the MLP."""
-
-    def rate(self, settings: TrainSettings) -> float:
-        """The sun's, faster in short runs."""
-        return settings.outdoor.sun_rate * settings.rates.short_run_boost
 
     def losses(
         self,
