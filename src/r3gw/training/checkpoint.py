@@ -34,7 +34,7 @@ INTERVAL_S = 300.0
 WHAT = "checkpoint of r3gw"
 # What a file of another form makes Python raise.
 WRONG_FORM = (KeyError, TypeError, ValueError, RuntimeError, IndexError, AttributeError)
-MODEL, OPTIMIZER, SUN_SHADOWS = "model.", "optimizer.", "sun_shadow."
+MODEL, OPTIMIZER, SUN_SHADOWS, OCCLUDERS = "model.", "optimizer.", "sun_shadow.", "occluder."
 STATISTICS = ("statistics.total", "statistics.views")
 GENERATORS = ("generator", "dropout")
 MOMENTS = ("step", "exp_avg", "exp_avg_sq")
@@ -121,6 +121,8 @@ def _tensors(state: TrainingState) -> dict[str, Tensor]:
             tensors[f"{OPTIMIZER}{index}.{key}"] = value
     for name, value in state.sun_shadows.tensors().items():
         tensors[f"{SUN_SHADOWS}{name}"] = value
+    for index, is_occluder in enumerate(state.occluders):
+        tensors[f"{OCCLUDERS}{index}"] = is_occluder
     statistics = (state.statistics.total, state.statistics.views)
     generators = (state.generator.get_state(), torch.get_rng_state())
     pairs = zip((*STATISTICS, *GENERATORS), (*statistics, *generators), strict=True)
@@ -154,6 +156,8 @@ def _state(
     state.history.resume(list(record["history"]), float(record["seconds"]))
     state.notes = dict(record["notes"])
     state.sun_shadows = SunShadows.restored(_part(tensors, SUN_SHADOWS), record["sun_shadows"])
+    occluders = _part(tensors, OCCLUDERS)
+    state.occluders = [occluders[str(index)] for index in range(len(occluders))]
     state.iteration = int(record["iteration"])
     state.generator.set_state(tensors[GENERATORS[0]])
     torch.set_rng_state(tensors[GENERATORS[1]])

@@ -26,6 +26,7 @@ from r3gw.training.health import (
 )
 from r3gw.training.lights.kinds import renew_light
 from r3gw.training.objective import objective
+from r3gw.training.occluders import find_occluders
 from r3gw.training.optimizer import adam_step, set_rates
 from r3gw.training.photos import Photo, camera_extent
 from r3gw.training.resolution import PhotoSizes
@@ -86,6 +87,8 @@ def _run(
     iterations = state.settings.iterations
     extent = camera_extent([photo.camera for photo in photos])
     sizes = PhotoSizes(photos, schedule)
+    if state.occluders:
+        sizes.leave_out(state.occluders)
     interval_s = BAR_INTERVAL_S[sys.stderr.isatty()]
     with tqdm(
         total=iterations, initial=state.iteration, desc="train", mininterval=interval_s
@@ -134,13 +137,7 @@ def step(
     model.sky.clamp_to_dome()
     model.sky.keep_opaque(settings.sky.least_opacity)
     _change_density(state, schedule, extent)
-    if settings.unseen.enabled and schedule.holds_back_unseen(iteration):
-        centres = [photo.camera.centre for photo in sizes.photos]
-        if hold_back_unseen(model, state.optimizer, centres, settings.unseen):
-            state.statistics = GradientStatistics.of(model)
-    if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
-        centres = [photo.camera.centre for photo in sizes.photos]
-        update_occlusion(model.foreground, centres, settings.occlusion)
+    _look_around(state, sizes, schedule)
     is_due = state.history.is_due(iteration)
     row = state.history.add(iteration, model, photo, rendering, parts) if is_due else None
     if watched is not None:
@@ -175,6 +172,21 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
         watch_counts(state, grown if share >= 1.0 else UNCAPPED)
     if schedule.resets_opacity(iteration):
         reset_opacity(model, state.optimizer, density.reset_opacity)
+
+
+def _look_around(state: TrainingState, sizes: PhotoSizes, schedule: Schedule) -> None:
+    """Do what is due at times and looks at the whole scene or at all photos."""
+    iteration, model, settings = state.iteration, state.model, state.settings
+    if settings.unseen.enabled and schedule.holds_back_unseen(iteration):
+        centres = [photo.camera.centre for photo in sizes.given]
+        if hold_back_unseen(model, state.optimizer, centres, settings.unseen):
+            state.statistics = GradientStatistics.of(model)
+    if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
+        centres = [photo.camera.centre for photo in sizes.given]
+        update_occlusion(model.foreground, centres, settings.occlusion)
+    if settings.occluders.enabled and schedule.finds_occluders(iteration):
+        state.occluders = find_occluders(model, sizes.given, settings.occluders)
+        sizes.leave_out(state.occluders)
 
 
 def _postfix(row: dict[str, float | int]) -> str:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 from torch.nn.functional import interpolate
 
@@ -24,13 +24,28 @@ FEWEST_PX = 32  # No side is made smaller than this.
 
 
 class PhotoSizes:
-    """The training photos in the size that an iteration asks for, each kept in one at a time."""
+    """The training photos in the size that an iteration asks for, each kept in one at a time.
+
+    Attributes:
+        given: The photos with the user's masks alone.
+        photos: The same without the occluders that were found meanwhile.
+        schedule: Says which size is asked for.
+    """
 
     def __init__(self, photos: Sequence[Photo], schedule: Schedule) -> None:
         """Serve ``photos`` as ``schedule`` says."""
+        self.given = photos
         self.photos = photos
         self.schedule = schedule
         self._kept: dict[int, tuple[float, Photo]] = {}
+
+    def leave_out(self, occluders: Sequence[Bool[Tensor, "h w"]]) -> None:
+        """From now on let no pixel of these be valid, beside those that the user's masks name."""
+        self.photos = [
+            replace(photo, is_valid=photo.is_valid & ~is_occluder)
+            for photo, is_occluder in zip(self.given, occluders, strict=True)
+        ]
+        self._kept.clear()
 
     def photo(self, index: int, iteration: int) -> Photo:
         """Photo ``index`` as iteration ``iteration`` (from 1) trains on it."""

@@ -14,6 +14,7 @@ from r3gw.files import InputError, write_json
 from r3gw.files.imports import Imports
 from r3gw.files.provenance import code_version, digest, machine, peak_rss_mb
 from r3gw.files.strict import read_json
+from r3gw.masks.found import save_found
 from r3gw.model.initial import load_initial
 from r3gw.model.model_file import save_model
 from r3gw.native import ops
@@ -64,6 +65,8 @@ def run_training(
     snapshots: Collection[int] = (),
 ) -> None:
     """Train and write model.safetensors, history.csv, timing.json and, last, run.json.
+
+    Where occluders are looked for, is_occluder/ holds those that were found (r3gw.masks.found).
 
     What was measured is in timing.json alone, so a second run on the same machine gives the same
     bytes in all other files.
@@ -124,6 +127,8 @@ def _write(
     """Write the run as it stands; run.json, which says that it is whole, last."""
     save_model(state.model, target / "model.safetensors", settings)
     state.history.write(target / "history.csv")
+    found = zip(state.model.photos, state.occluders, strict=False)
+    save_found(target, {name: mask.numpy() for name, mask in found})
     timing = {"training_seconds": state.history.seconds(), "peak_rss_mb": peak_rss_mb()}
     write_json(target / "timing.json", timing)
     write_json(target / "run.json", {**run, **_record(state, settings, parts, num_threads)})

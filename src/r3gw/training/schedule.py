@@ -39,6 +39,8 @@ class Schedule:
     shadow_age: int
     smallest_photo: float
     photos_whole_from: int
+    occluders_first: int
+    occluders_interval: int
 
     @staticmethod
     def of(settings: TrainSettings) -> "Schedule":
@@ -63,6 +65,8 @@ class Schedule:
             shadow_age=own(settings.daylight.shadow_age),
             smallest_photo=settings.resolution.smallest,
             photos_whole_from=own(settings.resolution.whole_from),
+            occluders_first=own(settings.occluders.first),
+            occluders_interval=own(settings.occluders.interval),
         )
 
     def photo_share(self, iteration: int) -> float:
@@ -92,6 +96,11 @@ class Schedule:
     def holds_back_unseen(self, iteration: int) -> bool:
         """Whether unseen Gaussians are held back after this iteration: to the end of the run."""
         return iteration % self.densify_interval == 0 or iteration == self.iterations
+
+    def finds_occluders(self, iteration: int) -> bool:
+        """Whether occluders, where they are looked for, are found anew after this iteration."""
+        since = iteration - self.occluders_first
+        return since >= 0 and since % self.occluders_interval == 0
 
     def casts_shadows(self, iteration: int) -> bool:
         """Whether occlusion, where it is modelled, is cast anew after this iteration."""

@@ -174,6 +174,25 @@ class UnseenSettings(Strict):
     widest: float = Field(gt=0)
 
 
+class OccluderSettings(Strict):
+    """Occluders found while training (r3gw.training.occluders); not in the paper.
+
+    Attributes:
+        enabled: Whether they are looked for.
+        first: Iteration of the paper's schedule in which they are found first.
+        interval: Iterations of the paper's schedule after which they are found anew.
+        contrast: How much more unlike its rendering than other photos of the same surfaces are to
+            theirs (r3gw.training.disagreement) an occluder is.
+        most: Largest share of a photo that may be an occluder.
+    """
+
+    enabled: bool
+    first: int = Field(ge=0)
+    interval: int = Field(gt=0)
+    contrast: float = Field(gt=0)
+    most: float = Field(gt=0, le=1)
+
+
 class DroppingSettings(Strict):
     """Gaussians left out at random while training (r3gw.training.dropping); not in the paper.
 
@@ -208,6 +227,7 @@ class TrainSettings(Strict):
     unseen: UnseenSettings
     gains: GainsSettings
     dropping: DroppingSettings
+    occluders: OccluderSettings
 
 
 def load_train_settings(path: Path) -> TrainSettings:

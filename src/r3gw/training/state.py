@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field
 
 import torch
+from jaxtyping import Bool
+from torch import Tensor
 
 from r3gw.model.model import SceneModel
 from r3gw.training.density import GradientStatistics
@@ -26,6 +28,7 @@ class TrainingState:
         generator: Draws everything random but dropout, which draws from torch's own.
         history: Rows so far.
         sun_shadows: Shadows that were cast a short while ago.
+        occluders: Found so far, one mask per photo; none before they are looked for.
         notes: What run.json should say of the run, with the iteration where it happened first.
         iteration: Iterations done.
     """
@@ -38,6 +41,7 @@ class TrainingState:
     generator: torch.Generator
     history: History
     sun_shadows: SunShadows = field(default_factory=SunShadows)
+    occluders: list[Bool[Tensor, "h w"]] = field(default_factory=list)
     notes: dict[str, int] = field(default_factory=dict)
     iteration: int = 0
 

@@ -1,6 +1,7 @@
 """Which figures every scene has, as the workflow and the report name them."""
 
-# A plot "sweep" comes on top where test views have an environment map.
+# A plot "sweep" comes on top where test views have an environment map, a picture "occluders" where
+# training looked for some.
 PICTURES = (
     "views",
     "depth",

@@ -6,6 +6,7 @@ from pathlib import Path
 from r3gw.files import InputError
 from r3gw.reporting.figures.comparisons import depth_figure, sky_boundary_figure, surfaces_figure
 from r3gw.reporting.figures.grids import decomposition_grid, light_grid, view_grid
+from r3gw.reporting.figures.mask_sheet import occluder_sheet
 from r3gw.reporting.figures.plots import is_swept, study_plot, sweep_plot, training_plot
 from r3gw.reporting.figures.points import initial_figure, sfm_figure
 from r3gw.reporting.figures.relighting import learned_figure, shared_light_figure, turned_figure
@@ -28,7 +29,8 @@ def scene_figures(
         run_folders: One folder per variant, with history.csv and metrics/; the first one (the
             full method) is shown in the figures that show one run.
         target: Folder of figures. Gets ``<scene>_<kind>.png`` for `PICTURES` and `PLOTS`, the
-            latter also as .pdf (`.kinds`), and a plot ``sweep`` where views were swept.
+            latter also as .pdf (`.kinds`), a plot ``sweep`` where views were swept, and a picture
+            ``occluders`` where the first run looked for some.
 
     Raises:
         InputError: If a file is missing or there is no run.
@@ -55,6 +57,9 @@ def scene_figures(
             "initial": initial_figure(imported, points, scene_folder.with_name("initial.npz")),
             "sfm": sfm_figure(imported, points),
         }
+        found = occluder_sheet(scene_folder, masks_folder, run_folders[0])
+        if found is not None:
+            pictures["occluders"] = found
         if is_swept(main):
             plots["sweep"] = sweep_plot(main)
         for kind, figure in pictures.items():

@@ -12,6 +12,7 @@ from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
 from r3gw.lighting import envmap
 from r3gw.masks.folder import load_masks
+from r3gw.masks.found import load_found
 from r3gw.reporting.changes import changes, read_settings
 from r3gw.reporting.columns import pictured_protocols
 from r3gw.reporting.figures.plots import is_swept, sweep_plot, training_plot
@@ -64,7 +65,7 @@ def scene_page(folders: SceneFolders) -> Page:
     return {
         "name": folders.root.name,
         "views": [_view_row(main, view, folder) for view in shown],
-        "sessions": _sessions(scene, folder, folders.root / "masks"),
+        "sessions": _sessions(scene, folders.root, folders.runs[0]),
         "num_views": {which: len(scene.split(which)) for which in ("train", "test")},
         "num_points": len(points.xyz),
         "sfm": figure_uri(sfm_figure(scene, points)),
@@ -109,20 +110,23 @@ def _shown(run: Run, view: str, kind: str) -> str:
     return picture_uri(picture, VIEW_PX)
 
 
-def _sessions(scene: Scene, folder: Path, masks: Path) -> list[Page]:
-    """Photos with their masks, by session."""
+def _sessions(scene: Scene, root: Path, run: Path) -> list[Page]:
+    """Photos by session, with their masks and the occluders that a run found."""
     ordered = sorted(scene.views, key=lambda view: (view.session or "", view.name))
     sessions = []
     for session, views in groupby(ordered, key=lambda view: view.session or ""):
         photos = []
         for view in views:
-            is_valid, is_sky = load_masks(masks, view)
+            is_valid, is_sky = load_masks(root / "masks", view)
+            found = load_found(run, view)
+            if found is not None:
+                is_valid = is_valid & ~found
             photos.append(
                 {
                     "name": view.name,
                     "short": view.name.removeprefix(session).strip("_") or view.name,
                     "split": view.split,
-                    "uri": picture_uri(read_rgb(folder / view.image), PHOTO_PX),
+                    "uri": picture_uri(read_rgb(root / "scene" / view.image), PHOTO_PX),
                     "masks": mask_uri(is_valid, is_sky, PHOTO_PX),
                 }
             )
