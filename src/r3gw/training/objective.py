@@ -9,6 +9,7 @@ from torch import Tensor
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
 from r3gw.rendering.compose import Rendering, draw, shaded_splats
+from r3gw.rendering.splat_set import Splats
 from r3gw.training.dropping import dropped, share_at
 from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
@@ -56,7 +57,7 @@ def objective(
         sunlight = sun_shadows.of(model, row, lit.sun, iteration, schedule)
     splats = shaded_splats(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
     share = share_at(iteration, settings.iterations, settings.dropping.share)
-    rendering = draw(dropped(splats, share, generator), photo.camera)
+    rendering = draw(dropped(splats, share, generator), photo.camera, pulls(splats, settings))
     acting = acting_weights(settings, schedule, iteration)
     pixels = losses.picture(
         rendering.planes,
@@ -86,6 +87,13 @@ def objective(
     ]
     parts |= {name: value_of(loss) for name, loss in others}
     return rendering, sum_of([pixels.total, *(loss for _, loss in others)]), parts
+
+
+def pulls(splats: Splats, settings: TrainSettings) -> Float[Tensor, "n 2"] | None:
+    """Where densification wants gradients without signs, what collects them."""
+    if settings.density.gradient == "net":
+        return None
+    return splats.means.new_zeros(len(splats.means), 2).requires_grad_()
 
 
 def gains_losses(

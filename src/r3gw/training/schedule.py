@@ -91,6 +91,10 @@ class Schedule:
         is_due = iteration % self.densify_interval == 0
         return is_due and self.densify_first <= iteration <= self.densify_last
 
+    def densifications_left(self, iteration: int) -> int:
+        """How many densifications there still are, that of this iteration included."""
+        return (self.densify_last - iteration) // self.densify_interval + 1
+
     def holds_back_unseen(self, iteration: int) -> bool:
         """Whether unseen Gaussians are held back after this iteration: to the end of the run."""
         return iteration % self.densify_interval == 0 or iteration == self.iterations

@@ -82,8 +82,14 @@ class DensitySettings(Strict):
     """Clone, split, prune and opacity reset.
 
     No resets where the interval is null; a threshold whose last value is null keeps the first.
+    ``gradient`` says how a view's pixels add up to what is held against the threshold: with
+    their signs (net), or without (absolute; Ye et al., 2024). ``growth`` says who is densified:
+    all above the threshold until ``max_gaussians`` are there (threshold), or the strongest, as many
+    each time as reach that number at the last densification (even).
     """
 
+    gradient: Literal["net", "absolute"]
+    growth: Literal["threshold", "even"]
     first: int = Field(ge=0)
     last: int = Field(ge=0)
     interval: int = Field(gt=0)
