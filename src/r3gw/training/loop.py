@@ -132,6 +132,9 @@ def step(
         camera = photo.camera
         state.statistics.add(gradient, rendering.radii_px, camera.width, camera.height)
     adam_step(state.optimizer)
+    if settings.daylight.suns == "known":
+        suns = [photo.known_sun for photo in sizes.photos]
+        state.tied_suns.keep(model.appearance, suns, iteration, schedule.suns_tied_from)
     model.sky.clamp_to_dome()
     model.sky.keep_opaque(settings.sky.least_opacity)
     _change_density(state, schedule, extent)

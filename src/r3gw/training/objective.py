@@ -15,6 +15,7 @@ from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
 from r3gw.training.losses.choice import FORMS
 from r3gw.training.losses.forms import PictureWeights
+from r3gw.training.losses.geometry import given_normal_loss
 from r3gw.training.losses.lighting import unlikeness
 from r3gw.training.losses.weighted import sum_of, value_of
 from r3gw.training.photos import Photo
@@ -81,6 +82,7 @@ def objective(
     others = [
         *light_training.losses(lit, photo, settings, generator),
         *gains_losses(model, settings, index, generator),
+        *given_normals(rendering, photo, settings, schedule, iteration),
         *regularisers(rendering, settings, schedule, iteration),
     ]
     parts |= {name: value_of(loss) for name, loss in others}
@@ -112,6 +114,25 @@ def gains_losses(
     lights = [appearance.scene_light(photo).light for photo in (index, other)]
     loss = weights.steady * appearance.gains()[index].log().square().sum()
     yield NamedLoss("gains", loss + weights.alike * unlikeness(*lights))
+
+
+def given_normals(
+    rendering: Rendering, photo: Photo, settings: TrainSettings, schedule: Schedule, iteration: int
+) -> Iterator[NamedLoss]:
+    """Surfaces are turned as the normal map says that came with a photo, if one did.
+
+    Args:
+        rendering: The Gaussians as the photo's camera sees them.
+        photo: The photo.
+        settings: The settings of the run.
+        schedule: Says which losses act.
+        iteration: Counts from 1.
+    """
+    weight = settings.weights.given_normal
+    if photo.normals is None or weight == 0 or iteration <= schedule.geometry_losses_from:
+        return
+    loss = given_normal_loss(rendering.normal, photo.normals, photo.is_valid & ~photo.is_sky)
+    yield NamedLoss("given_normal", weight * loss)
 
 
 def regularisers(
