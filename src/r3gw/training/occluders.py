@@ -33,6 +33,7 @@ SMALLEST_ALPHA = 1e-3
 FEWEST_PHOTOS = 3  # that must show a Gaussian before one of them can be wrong
 MOST_UNLIKE = 2.0  # of `disagreement`
 USUAL_FACTOR = 1.5  # a photo may be this much more unlike than others are before it counts
+LEAST_EXPECTED = 0.01
 GROWN = 0.008  # of the longer side: the outlines of occluders are theirs, too
 
 
@@ -74,10 +75,25 @@ def find_occluders(
     for photo, compared, each in zip(photos, small, seen, strict=True):
         drawn = gaussians.drawn(usual, compared.camera)
         expected = drawn.planes[0] / drawn.alpha.clamp_min(SMALLEST_ALPHA)
-        excess = (each.unlike - USUAL_FACTOR * expected).numpy()
+        factor = USUAL_FACTOR * _badly_lit(each.unlike, expected, compared)
+        excess = (each.unlike - factor * expected).numpy()
         mask = _mask(excess, settings, *photo.is_valid.shape)
         occluders.append(mask & photo.is_valid)
     return occluders
+
+
+def _badly_lit(
+    unlike: Float[Tensor, "h w"], expected: Float[Tensor, "h w"], photo: Photo
+) -> float:
+    """How much more unlike all of a photo's foreground is than usual, at least 1.
+
+    Hard light that the model does not have makes all of a photo differ; that is nobody's shape.
+    """
+    is_compared = photo.is_valid & ~photo.is_sky & (expected < 0.5 * MOST_UNLIKE)
+    if not is_compared.any():
+        return 1.0
+    ratios = unlike[is_compared] / expected[is_compared].clamp_min(LEAST_EXPECTED)
+    return max(1.0, float(ratios.median()))
 
 
 def _usual(mean_unlike: Float[Tensor, "photos n"]) -> Float[Tensor, "n"]:

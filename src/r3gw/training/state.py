@@ -9,6 +9,7 @@ from torch import Tensor
 from r3gw.model.model import SceneModel
 from r3gw.training.density import GradientStatistics
 from r3gw.training.history import History
+from r3gw.training.known_suns import TiedSuns
 from r3gw.training.optimizer import make_optimizer
 from r3gw.training.order import PhotoOrder
 from r3gw.training.settings import TrainSettings
@@ -29,6 +30,7 @@ class TrainingState:
         history: Rows so far.
         sun_shadows: Shadows that were cast a short while ago.
         occluders: Found so far, one mask per photo; none before they are looked for.
+        tied_suns: Suns that are known and move together.
         notes: What run.json should say of the run, with the iteration where it happened first.
         iteration: Iterations done.
     """
@@ -42,6 +44,7 @@ class TrainingState:
     history: History
     sun_shadows: SunShadows = field(default_factory=SunShadows)
     occluders: list[Bool[Tensor, "h w"]] = field(default_factory=list)
+    tied_suns: TiedSuns = field(default_factory=TiedSuns)
     notes: dict[str, int] = field(default_factory=dict)
     iteration: int = 0
 
