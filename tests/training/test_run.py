@@ -9,15 +9,19 @@ import torch
 from support.settings import train_settings
 from support.tiny import TRAIN
 
+from r3gw.files.arrays import read_arrays
 from r3gw.files.errors import InputError
 from r3gw.imaging.files import write_image
+from r3gw.masks.found import load_found
 from r3gw.model.initial import InitialPoints, save_initial
 from r3gw.model.sky import SkyDome, sample_dome
-from r3gw.training import run
+from r3gw.scene import load_scene
+from r3gw.training import occluders, run
 from r3gw.training.checkpoint import Checkpoints
 from r3gw.training.run import RunFiles, run_training
 
 ITERATIONS, KILLED_AT = 16, 10
+ALWAYS = {"enabled": True, "first": 0, "interval": 4000, "contrast": 0.35, "most": 0.4}
 
 
 def points(shift: float = 0.0) -> InitialPoints:
@@ -133,6 +137,40 @@ def test_so_does_a_run_with_a_sun(files, tmp_path, monkeypatch, caplog):
     killed(files, monkeypatch)
     assert go(files) == undisturbed(files, tmp_path / "other")
     assert f"at iteration {KILLED_AT}" in caplog.text
+
+
+def test_so_does_a_run_that_looks_for_occluders(files, tmp_path, monkeypatch, caplog):
+    """They are found after iterations 4 and 12: those of the checkpoint are used until then.
+
+    A photo of the two hardly differs from its rendering at so low a contrast, or everywhere.
+    """
+    caplog.set_level("INFO", "r3gw")
+    settings = json.loads(files.settings.read_text())
+    settings["occluders"] |= {"enabled": True, "first": 10_000, "interval": 20_000}
+    settings["occluders"] |= {"contrast": 1e-6, "most": 0.3}
+    files.settings.write_text(json.dumps(settings))
+    monkeypatch.setattr(occluders, "FEWEST_PHOTOS", 1)
+    monkeypatch.setattr(occluders, "USUAL_FACTOR", 0.5)
+    checkpoint = killed(files, monkeypatch)
+    tensors, _ = read_arrays(checkpoint, "checkpoint")
+    assert tensors["occluder.0"].any()
+    assert go(files) == undisturbed(files, tmp_path / "other")
+    assert f"at iteration {KILLED_AT}" in caplog.text
+    view = load_scene(files.scene).split("train")[0]
+    mask, other = (load_found(run, view) for run in (files.target, tmp_path / "other"))
+    assert 0.0 < mask.mean() < 0.6
+    assert (mask == other).all()
+
+
+def test_masks_of_occluders_go_with_the_run_that_found_them(files):
+    settings = json.loads(files.settings.read_text())
+    found = files.target / "is_occluder"
+    files.settings.write_text(json.dumps(settings | {"occluders": ALWAYS}))
+    go(files)
+    assert sorted(path.stem for path in found.iterdir()) == sorted(TRAIN)
+    files.settings.write_text(json.dumps(settings))
+    go(files)
+    assert not found.exists()
 
 
 @pytest.mark.parametrize("changed", EDITS)

@@ -82,9 +82,7 @@ def find_occluders(
     return occluders
 
 
-def _badly_lit(
-    unlike: Float[Tensor, "h w"], expected: Float[Tensor, "h w"], photo: Photo
-) -> float:
+def _badly_lit(unlike: Float[Tensor, "h w"], expected: Float[Tensor, "h w"], photo: Photo) -> float:
     """How much more unlike all of a photo's foreground is than usual, at least 1.
 
     Hard light that the model does not have makes all of a photo differ; that is nobody's shape.
