@@ -7,10 +7,11 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, cli, json_object
+from r3gw.cli.told import wrote
 from r3gw.files import write_json
 
 
-@cli.command()
+@cli.command(short_help="Say what a run will find, need and fail on.")
 @click.option("--config", type=FILE, required=True, help="Configuration of the run.")
 @click.option(
     "--results",
@@ -43,10 +44,11 @@ def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
 
     diagnosis = examine(config, results, target, defaults=defaults)
     click.echo(diagnosis.text)
+    wrote(target / "doctor.md", "the same page, with pictures of what is imported")
     _stop_at(diagnosis.problems)
 
 
-@cli.command("doctor-sources")
+@cli.command("doctor-sources", short_help="Refuse scenes whose source would fail to import.")
 @click.option("--entries", required=True, help="Config entries by scene name, as JSON.")
 def doctor_sources(entries: str) -> None:
     """Refuse scenes whose source would fail to import; looks at names and lists only."""
@@ -60,7 +62,7 @@ def doctor_sources(entries: str) -> None:
     _stop_at([problem for findings in found for problem in findings.problems])
 
 
-@cli.command("doctor-scene")
+@cli.command("doctor-scene", short_help="Refuse a scene whose training would fail.")
 @click.option("--scene", required=True, help="Name of the scene.")
 @click.option("--results", type=FOLDER, required=True, help="Folder of all scenes' results.")
 @click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
@@ -74,9 +76,10 @@ def doctor_scene(scene: str, results: Path, target: Path) -> None:
     _stop_at(findings.problems)
     assert size is not None  # a scene without it is a problem
     write_json(target, findings.as_json() | {"size": size.model_dump()})
+    wrote(target)
 
 
-@cli.command("doctor-run")
+@cli.command("doctor-run", short_help="Refuse a training that does not fit into memory.")
 @click.option("--name", required=True, help="The run as messages call it: scene/variant/seed.")
 @click.option("--checked", type=FILE, required=True, help="What doctor-scene wrote of its scene.")
 @click.option("--settings", type=FILE, required=True, help="Resolved settings (JSON).")
@@ -99,7 +102,7 @@ def _stop_at(problems: Sequence[str]) -> None:
         sys.exit(1)
 
 
-@cli.command("mask-sheet")
+@cli.command("mask-sheet", short_help="Draw all photos of a scene with their masks tinted.")
 @click.option("--name", required=True, help="Scene name, the beginning of the file's name.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--masks", type=FOLDER, required=True, help="Folder of its masks.")
@@ -109,3 +112,4 @@ def sheet(name: str, scene: Path, masks: Path, target: Path) -> None:
     from r3gw.reporting.figures.mask_sheet import mask_sheet
 
     mask_sheet(name, scene, masks, target)
+    wrote(target / f"{name}_masks.png")

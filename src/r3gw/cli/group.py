@@ -26,7 +26,8 @@ THREADS = click.option("--threads", type=click.IntRange(1), default=1, help="CPU
 def cli(level: int | None) -> None:
     """Relightable 3D Gaussians for outdoor scenes in the wild.
 
-    `snakemake --cores 2 all` runs the stages in order. `r3gw COMMAND --help` says more of each.
+    `r3gw photos FOLDER` makes a scene of your photos; `make all`, in a clone, the embedded scenes.
+    `r3gw COMMAND --help` says more of each command.
 
     \b
     Exit status:

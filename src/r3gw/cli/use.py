@@ -7,6 +7,7 @@ import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
 from r3gw.cli.sections import SWEEP, SectionCommand, light_options, option
+from r3gw.cli.told import OPEN_PAGE, wrote
 from r3gw.relight.sweep import Sweep
 
 SCENE, CAMERA, OUTPUT = "Scene", "Camera", "Output"
@@ -22,7 +23,9 @@ SCENE_FOLDER = option(
 )
 
 
-@cli.command(cls=SectionCommand)
+@cli.command(
+    cls=SectionCommand, short_help="Make a picture or a film from any camera under any light."
+)
 @MODEL
 @SCENE_FOLDER
 @option(
@@ -107,6 +110,7 @@ def relight(
     from r3gw.relight.cameras import CameraOptions
     from r3gw.relight.film import FilmOptions
     from r3gw.relight.film import relight as run
+    from r3gw.relight.outputs import described
     from r3gw.relight.seen import remark
 
     cameras = CameraOptions(view, orbit_deg, width)
@@ -119,12 +123,14 @@ def relight(
         FilmOptions(frames, fps, tone, guessed),
         num_threads=threads,
     )
+    for path in output:
+        wrote(described(path, frames, fps))
     warning = remark(share)
     if warning is not None:
         click.echo(f"{'where least, ' if frames > 1 else ''}{warning} (--guessed dimmed)", err=True)
 
 
-@cli.command(cls=SectionCommand)
+@cli.command(cls=SectionCommand, short_help="Write a scene for viewers of Gaussian splats.")
 @MODEL
 @SCENE_FOLDER
 @light_options
@@ -171,15 +177,18 @@ def export(
     scene in any browser (see also `r3gw page`).
     """
     from r3gw.relight.export import export as run
-    from r3gw.relight.lights import still_light
+    from r3gw.relight.lights import require_map, still_light
     from r3gw.relight.trained import load
 
-    options, trained = _light(**light), load(model, scene)
+    options = _light(**light)
+    require_map(options)
+    trained = load(model, scene)
     baked_under = still_light(trained.gaussians, options)
     if target.suffix.lower() == ".html":
         _export_page(model, scene, target, options, tone)
         return
     run(trained, target, baked_under, view=view, tone=tone, coordinates=coordinates)
+    wrote(target, "viewers of Gaussian splats open baked.ply, others baked.glb")
 
 
 def _export_page(model: Path, scene: Path, target: Path, options: Any, tone: str) -> None:
@@ -190,6 +199,7 @@ def _export_page(model: Path, scene: Path, target: Path, options: Any, tone: str
 
     facts = find_run(model, scene).facts
     write_page(model, scene, target, PageOptions(facts=facts, start=start_of(options, tone)))
+    wrote(target, OPEN_PAGE)
 
 
 def _light(

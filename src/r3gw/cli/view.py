@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
+from r3gw.cli.told import OPEN_PAGE, wrote
 
 PATH = click.Path(path_type=Path)
 SCENE = click.option(
@@ -26,7 +27,7 @@ MOST_PICTURES = click.option(
 )
 
 
-@cli.command()
+@cli.command(short_help="Write a scene as one HTML page that relights it.")
 @click.argument("run", type=PATH)
 @SCENE
 @click.option("--target", type=FILE, required=True, help="The page (.html).")
@@ -47,9 +48,10 @@ def page(
     found = find_run(run, scene)
     options = PageOptions(None, most_gaussians, most_pictures, found.facts)
     write_page(found.model, found.scene, target, options)
+    wrote(target, OPEN_PAGE)
 
 
-@cli.command()
+@cli.command(short_help="Show a scene, or a running training, in your browser.")
 @click.argument("run", type=PATH)
 @SCENE
 @click.option(
