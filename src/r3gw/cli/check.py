@@ -44,8 +44,8 @@ def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
 
     diagnosis = examine(config, results, target, defaults=defaults)
     click.echo(diagnosis.text)
-    wrote(target / "doctor.md", "the same page, with pictures of what is imported")
     _stop_at(diagnosis.problems)
+    wrote(target / "doctor.md", "the same page, with pictures of what is imported")
 
 
 @cli.command("doctor-sources", short_help="Refuse scenes whose source would fail to import.")
@@ -76,7 +76,6 @@ def doctor_scene(scene: str, results: Path, target: Path) -> None:
     _stop_at(findings.problems)
     assert size is not None  # a scene without it is a problem
     write_json(target, findings.as_json() | {"size": size.model_dump()})
-    wrote(target)
 
 
 @cli.command("doctor-run", short_help="Refuse a training that does not fit into memory.")

@@ -32,7 +32,7 @@ def cli(level: int | None) -> None:
     \b
     Exit status:
       0  done
-      1  the doctor found problems, or a fault of r3gw itself (with a traceback)
+      1  the doctor found problems; Ctrl-C; or a fault of r3gw itself (with a traceback)
       2  a file, an option or a value will not do (in one sentence)
     """
     # Libraries only warn: fontTools alone writes hundreds of INFO lines per figure.
