@@ -81,9 +81,9 @@ def time_kernels(
     def backward() -> None:
         means2d, factors, screen, radii = state["projected"]
         planes, alpha, frame = state.pop("drawn")
-        to_means2d, to_factors, _, _ = ops.composite_backward(
+        to_means2d, to_factors, *_ = ops.composite_backward(
             *(frame, grad_planes, grad_alpha, planes, alpha, means2d, factors, screen),
-            *(opacities, features, columns),
+            *(opacities, features, columns, False),
         )
         ops.project_backward(to_means2d, to_factors, *geometry, radii, *camera)
 

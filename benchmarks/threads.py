@@ -64,10 +64,10 @@ def once(drawing: Drawing) -> dict[str, list[float]]:
 
     projected = timed("project", *geometry, drawing.opacities, *camera)
     planes, alpha, frame = timed("composite", *projected, drawing.features, None, *size)
-    to_means2d, to_factors, _, _ = timed(
+    to_means2d, to_factors, *_ = timed(
         "composite_backward",
         *(frame, to_planes, None, planes, alpha, *projected[:3]),
-        *(drawing.opacities, drawing.features, columns),
+        *(drawing.opacities, drawing.features, columns, False),
     )
     timed("project_backward", to_means2d, to_factors, *geometry, projected[3], *camera)
     return found

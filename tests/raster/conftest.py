@@ -36,6 +36,7 @@ class RandomScene:
             name: getattr(self, name).to(dtype, copy=True).requires_grad_() for name in PARAMETERS
         }
         background = inputs["background"]
+        pulls2d = torch.zeros(len(self.means), 2, dtype=dtype, requires_grad=True)
         result: RasterResult = rasterizer(
             *[inputs[name] for name in PARAMETERS[:-1]],
             self.cam_from_world.to(dtype),
@@ -43,12 +44,14 @@ class RandomScene:
             self.width,
             self.height,
             background,
+            pulls2d=pulls2d,
             **options,
         )
         loss = (result.features * self.features_weight).sum()
         (loss + (result.alpha * self.alpha_weight).sum()).backward()
         gradients = {name: tensor.grad for name, tensor in inputs.items()}
-        return result, gradients | {"means2d": result.means2d.grad}
+        screen = {"means2d": result.means2d.grad, "pulls2d": pulls2d.grad}
+        return result, gradients | screen
 
     def without_cutoffs(self, monkeypatch) -> "RandomScene":
         """The same with no image gradient at pixels where a hair's breadth changes what is drawn.

@@ -1,11 +1,31 @@
 """The C++ rasterizer against the float64 plain-torch reference, forward and backward."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from r3gw.raster import rasterize, reference
+
+CHANNELS_AT_ONCE = 16
+
+
+def pulls_of_passes(scene):
+    """The kernels add up pulls of every sixteen channels; alpha pulls with the first of them."""
+    total = 0
+    for first in range(0, scene.features.shape[1], CHANNELS_AT_ONCE):
+        part = slice(first, first + CHANNELS_AT_ONCE)
+        alone = replace(
+            scene,
+            features=scene.features[:, part],
+            background=scene.background[part],
+            features_weight=scene.features_weight[..., part],
+            alpha_weight=scene.alpha_weight * (first == 0),
+        )
+        total = total + alone.run(reference.rasterize, torch.float64)[1]["pulls2d"]
+    return total
 
 
 def assert_agree(scene, rtol, atol):
@@ -19,6 +39,8 @@ def assert_agree(scene, rtol, atol):
         "radii_px": (ours.radii_px, theirs.radii_px),
         "means2d": (ours.means2d, theirs.means2d),
     }
+    if scene.features.shape[1] > CHANNELS_AT_ONCE:
+        their_gradients["pulls2d"] = pulls_of_passes(scene)
     for name, gradient in our_gradients.items():
         pairs[f"gradient of {name}"] = (gradient, their_gradients[name])
     for name, (actual, expected) in pairs.items():
@@ -87,5 +109,5 @@ def test_only_the_wanted_feature_gradients(make_scene, channels, wanted):
     expected = everything["features"].clone()
     expected[:, wanted:] = 0
     torch.testing.assert_close(some["features"], expected, rtol=1e-6, atol=1e-6)
-    for name in ("means", "quaternions", "scales", "opacities", "background", "means2d"):
+    for name in ("means", "quaternions", "scales", "opacities", "background", "means2d", "pulls2d"):
         torch.testing.assert_close(some[name], everything[name], rtol=1e-6, atol=1e-6)

@@ -112,3 +112,20 @@ def test_footprint_matches_exactly_projected_samples():
     torch.testing.assert_close(drawn_mean, projected.mean(0), rtol=0, atol=0.15)
     expected = torch.cov(projected.T) + 0.3 * torch.eye(2)
     torch.testing.assert_close(covariance, expected, rtol=0.05, atol=0.1)
+
+
+@RASTERIZERS
+def test_opposite_pulls_cancel_in_the_gradient_alone(rasterizer):
+    """All pixels want a Gaussian in the middle to come nearer: it stays, but is pulled."""
+    pulls2d = torch.zeros(1, 2, requires_grad=True)
+    result = on_axis(rasterizer, [2.0], [0.8], [[1.0]], pulls2d=pulls2d)
+    pixel = torch.arange(33) - 16.0
+    weight = pixel.abs().sign().expand(33, 33)
+    (result.features[..., 0] * weight).sum().backward()
+    variance = (40.0 * 0.2 / 2.0) ** 2 + 0.3
+    squared = pixel[:, None] ** 2 + pixel**2
+    alpha = 0.8 * torch.exp(-squared / (2 * variance))
+    alpha = torch.where(alpha >= 1 / 255, alpha, 0) * weight
+    expected = torch.stack([alpha * pixel.abs(), alpha * pixel[:, None].abs()]).sum((1, 2))
+    torch.testing.assert_close(result.means2d.grad, torch.zeros(1, 2), rtol=0, atol=1e-4)
+    torch.testing.assert_close(pulls2d.grad, expected[None] / variance, rtol=1e-5, atol=0)

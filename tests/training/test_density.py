@@ -13,10 +13,11 @@ from r3gw.training.density import (
     GradientStatistics,
     densify,
     reset_opacity,
-    rising_threshold,
     split_children,
 )
+from r3gw.training.growth import Growth, growth_at, rising_threshold, threshold_of_strongest
 from r3gw.training.optimizer import make_optimizer
+from r3gw.training.schedule import Schedule
 from r3gw.training.start import initial_model
 
 EXTENT = 10.0
@@ -49,8 +50,7 @@ def optimizer(model, settings) -> torch.optim.Adam:
 
 def grow(model, optimizer, gradients, density=DENSITY, **changes):
     arguments = {
-        "most": density.max_gaussians,
-        "threshold": THRESHOLD,
+        "growth": Growth(density.max_gaussians, THRESHOLD),
         "extent": EXTENT,
         "prune_huge": False,
         "generator": torch.Generator().manual_seed(1),
@@ -196,6 +196,45 @@ def test_threshold_rises_exponentially():
 
 def test_threshold_without_last_value_stays_the_first():
     assert {rising_threshold(progress, 2e-4, None) for progress in (0.0, 0.5, 1.0)} == {2e-4}
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 50, 60])
+def test_the_strongest_lie_above_their_threshold(count):
+    gradients = torch.rand(50, generator=torch.Generator().manual_seed(3)) + 0.1
+    chosen = gradients > threshold_of_strongest(gradients, count)
+    expected = torch.zeros(50, dtype=torch.bool)
+    expected[torch.argsort(gradients, descending=True)[:count]] = True
+    assert torch.equal(chosen, expected)
+
+
+def test_even_growth_reaches_the_largest_number_at_the_last_densification(model, optimizer):
+    """130 Gaussians from 50 in four times: 20 each time, whatever was asked for by thresholds."""
+    settings = train_settings()
+    changes = {"growth": "even", "max_gaussians": 130, "first": 10, "last": 40, "interval": 10}
+    density = settings.density.model_copy(update=changes | {"min_opacity": 1e-6})
+    scaled = {"iterations": 100, "paper_iterations": 100, "density": density}
+    schedule = Schedule.of(settings.model_copy(update=scaled))
+    generator = torch.Generator().manual_seed(0)
+    counts = []
+    for iteration in (10, 20, 30, 40):
+        assert schedule.densifies(iteration)
+        gradients = torch.rand(model.num_gaussians, generator=generator) + 1e-9
+        growth = growth_at(iteration, gradients, density, schedule)
+        grow(model, optimizer, gradients, density, growth=growth)
+        counts.append(model.num_gaussians)
+    assert counts == [70, 90, 110, 130]
+
+
+def test_a_threshold_lets_grow_what_exceeds_it_up_to_the_largest_number():
+    settings = train_settings()
+    schedule = Schedule.of(settings)
+    density = settings.density
+    first, last = (
+        growth_at(iteration, torch.ones(3), density, schedule)
+        for iteration in (schedule.densify_first, schedule.densify_last)
+    )
+    assert first == Growth(density.max_gaussians, pytest.approx(density.threshold_first, rel=1e-9))
+    assert last == Growth(density.max_gaussians, pytest.approx(density.threshold_last, rel=1e-9))
 
 
 def test_statistics_average_over_seen_views_in_ndc():

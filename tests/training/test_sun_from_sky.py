@@ -1,43 +1,19 @@
 """The sun from a sky's grading: skies that are painted for a known sun, and skies without one."""
 
-from math import cos, degrees, radians, sin
+from math import degrees
 
 import pytest
 import torch
+from support.painted_sky import direction, seen_sky
 
-from r3gw.geometry.cameras import Camera
-from r3gw.imaging.colour import display_from_linear
 from r3gw.lighting.cie_sky import clear_sky, covered_sky
 from r3gw.training.sun_from_sky import sun_from_sky
-from r3gw.training.visible_sky import VisibleSky, visible_sky
-
-
-def direction(elevation_deg: float, azimuth_deg: float) -> torch.Tensor:
-    elevation, azimuth = radians(elevation_deg), radians(azimuth_deg)
-    level = cos(elevation)
-    return torch.tensor([level * sin(azimuth), -sin(elevation), level * cos(azimuth)])
-
-
-def seen(heading_deg: float, radiance_of) -> VisibleSky:
-    """What a camera sees that looks a little upwards; noise of 2 %."""
-    ahead = direction(20.0, heading_deg).double()
-    camera = Camera.looking_at(ahead, position=torch.zeros(3).double(), width=60, height=40)
-    rows, columns = torch.meshgrid(torch.arange(40) + 0.5, torch.arange(60) + 0.5, indexing="ij")
-    fx, fy, cx, cy = camera.intrinsics
-    rays = torch.stack([(columns - cx) / fx, (rows - cy) / fy, torch.ones(40, 60)], dim=-1)
-    looks = torch.nn.functional.normalize(rays, dim=-1) @ camera.cam_from_world[:3, :3].float()
-    shown = radiance_of(looks.reshape(-1, 3))[:, None] * torch.tensor([0.7, 0.9, 1.3])
-    noise = 1 + 0.02 * torch.randn(shown.shape, generator=torch.Generator().manual_seed(0))
-    planes = (255 * display_from_linear(shown * noise)).round().to(torch.uint8)
-    found = visible_sky(camera, planes.T.reshape(3, 40, 60), torch.ones(40, 60, dtype=torch.bool))
-    assert found is not None
-    return found
 
 
 @pytest.mark.parametrize(("elevation", "azimuth"), [(25.0, -110.0), (50.0, 140.0), (35.0, 80.0)])
 def test_it_is_found_behind_and_beside_the_cameras(elevation, azimuth):
     sun = direction(elevation, azimuth)
-    photos = [seen(h, lambda d: 0.15 * clear_sky(d, sun).sum(dim=0)) for h in (-30.0, 25.0)]
+    photos = [seen_sky(h, lambda d: 0.15 * clear_sky(d, sun).sum(dim=0)) for h in (-30.0, 25.0)]
     found = sun_from_sky(photos)
     assert found is not None
     assert degrees(float(torch.arccos((found @ sun).clamp(-1, 1)))) < 12.0
@@ -45,4 +21,4 @@ def test_it_is_found_behind_and_beside_the_cameras(elevation, azimuth):
 
 def test_a_covered_or_even_sky_says_nothing():
     for radiance_of in (lambda d: 0.2 * covered_sky(d), lambda d: torch.full_like(d[:, 0], 0.3)):
-        assert sun_from_sky([seen(0.0, radiance_of)]) is None
+        assert sun_from_sky([seen_sky(0.0, radiance_of)]) is None

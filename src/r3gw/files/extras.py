@@ -7,6 +7,7 @@ from types import ModuleType
 from r3gw.files.errors import InputError
 
 EXTRAS = {
+    "astral": "pipeline",
     "imageio_ffmpeg": "view",
     "jinja2": "pipeline",
     "matplotlib": "pipeline",

@@ -99,6 +99,20 @@ def read_picture(path: Path) -> Picture:
         raise InputError(f"{path}: {_BROKEN}: {reason[:120]}; {_AGAIN}") from error
 
 
+def read_exif_block(path: Path) -> bytes:
+    """The EXIF block of a picture, empty if it has none or none that can be read."""
+    try:
+        with path.open("rb") as file:
+            if is_heic(file.read(256)):
+                return read_picture(path).exif
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of odd metadata, which does not matter here
+            with Image.open(path, formats=_FORMATS) as image:
+                return _orientation(image)[1]
+    except Exception:  # who reads the picture finds the words for it
+        return b""
+
+
 def read_opaque(path: Path) -> NDArray[np.bool_] | None:
     """Where a picture is opaque, ``[H, W]`` as stored; None if it is everywhere.
 

@@ -2,14 +2,38 @@
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
+from zoneinfo import available_timezones
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError, field_validator
 
 from r3gw.benchmark.settings import BenchmarkSettings
 from r3gw.files import InputError
 from r3gw.files.strict import Strict
+from r3gw.importing.source import Axes
+
+
+class Place(Strict):
+    """Where photos were taken, and what their clocks showed, for photos that do not say so.
+
+    Attributes:
+        latitude_deg: North is positive.
+        longitude_deg: East is positive.
+        time_zone: Name in the IANA data base, such as Europe/Berlin; None leaves photos without
+            the sun that do not tell theirs.
+    """
+
+    latitude_deg: float = Field(ge=-90, le=90)
+    longitude_deg: float = Field(ge=-180, le=180)
+    time_zone: str | None = None
+
+    @field_validator("time_zone")
+    @classmethod
+    def _is_known(cls, name: str | None) -> str | None:
+        if name is not None and name not in available_timezones():
+            raise ValueError(f"'{name}' is no time zone; write a name such as Europe/Berlin")
+        return name
 
 
 class SyntheticScene(BenchmarkSettings):
@@ -18,6 +42,7 @@ class SyntheticScene(BenchmarkSettings):
     format: Literal["synthetic"]
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
+    normals: Axes = "opencv"
 
     def benchmark(self) -> BenchmarkSettings:
         """What is rendered, without how it is imported."""
@@ -34,6 +59,8 @@ class NerfOsrScene(Strict):
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(None, gt=0)
     evaluated_views: list[str] = Field(default_factory=list)
+    place: Place | None = None
+    normals: Axes = "opencv"
 
 
 HoldOut = Annotated[int, Field(ge=2)] | Annotated[list[str], Field(min_length=1)] | None
@@ -58,6 +85,8 @@ class _PosedScene(Strict):
     max_image_px: int = Field(1600, ge=16)
     extent: float | None = Field(10.0, gt=0)
     up: Literal["estimated", "given"] = "estimated"
+    place: Place | None = None
+    normals: Axes = "opencv"
 
     @property
     def given_turn(self) -> NDArray[np.float64] | None:
@@ -93,6 +122,8 @@ class PhotosScene(UnsplitScene):
     matching: Literal["exhaustive", "sequential", "retrieval", "spatial"] | None = None
     video_frames: int = Field(100, ge=3)
     hold_out: HoldOut = 8
+    place: Place | None = None
+    normals: Axes = "opencv"
 
 
 SceneSettings = Annotated[

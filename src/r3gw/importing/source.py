@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from r3gw.geometry.cameras import Camera
 from r3gw.importing.lens import Lens
 from r3gw.scene import EvaluationEntry, GroundTruth
+from r3gw.scene.sun_position import SunPosition
 
 MaskKind = Literal["is_valid", "is_sky", "eval"]
+Axes = Literal["opencv", "opengl", "world"]
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,19 @@ class SourceMask:
     path: Path
     white_means: bool = True
     levels: str | None = None
+
+
+@dataclass(frozen=True)
+class SourceNormals:
+    """A normal map's file.
+
+    Attributes:
+        path: The picture.
+        axes: That its vectors are given in (`r3gw.importing.normals`).
+    """
+
+    path: Path
+    axes: Axes
 
 
 @dataclass(frozen=True)
@@ -63,6 +78,9 @@ class SourceView:
         truth: Ground truth of the photo, if known; paths are the source's.
         lens: The photo's distorted camera; the writer undistorts photo and masks from it to
             ``camera``. None if ``camera`` describes the photo itself.
+        exif: EXIF of the photo as it was taken, where ``photo`` has lost it; None: as in ``photo``.
+        sun: Where the sun stood, if the data say so.
+        normals: Normal map that came with the data, of the photo's size.
     """
 
     path: str
@@ -75,6 +93,9 @@ class SourceView:
     evaluation: EvaluationEntry | None = None
     truth: GroundTruth | None = None
     lens: Lens | None = None
+    exif: bytes | None = None
+    sun: SunPosition | None = None
+    normals: SourceNormals | None = None
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,13 @@ from r3gw.importing.completeness import require_complete
 from r3gw.importing.formats import reader_of
 from r3gw.importing.gauge import scene_from_source, upright_rotation
 from r3gw.importing.hold_out import with_held_out
+from r3gw.importing.normals import normals_beside, with_normals
 from r3gw.importing.precision import require_single_precision
 from r3gw.importing.reader import Effort
 from r3gw.importing.report import write_report
 from r3gw.importing.settings import SceneSettings
 from r3gw.importing.source import SourceScene
+from r3gw.importing.suns import with_suns
 from r3gw.importing.write import clear_scene, write_scene
 from r3gw.scene import Scene
 
@@ -47,7 +49,8 @@ def import_scene(
     clear_scene(target)
     with tempfile.TemporaryDirectory(prefix=".import-", dir=target) as folder:
         read = reader_of(settings, source).read(Effort(Path(folder), num_threads, seed))
-        found = with_held_out(read, settings, source)
+        found = with_suns(with_held_out(read, settings, source), settings)
+        found = with_normals(found, settings.normals, normals_beside(source))
         similarity = scene_from_source(found.points, _rotation(found), settings.extent)
         require_single_precision(found, similarity, source)
         write_report(found, settings.format, target)

@@ -18,6 +18,7 @@ from r3gw.imaging.decode import read_opaque
 from r3gw.imaging.files import read_labels, read_linear, write_exr, write_image
 from r3gw.imaging.masks import read_mask_levels, resize_mask
 from r3gw.importing.lens import undistorted, undistorted_mask
+from r3gw.importing.normals import smaller_normals, world_normals
 from r3gw.importing.source import SourceMask, SourceScene, SourceView
 from r3gw.importing.stored import stored_photo, stored_size
 from r3gw.scene import (
@@ -117,6 +118,8 @@ def _write_view(
         cam_from_world=cam_from_world,
         split=source.split,
         session=source.session,
+        sun=source.sun,
+        normals=_write_normals(source, name, camera, similarity, target),
         evaluation=_copied_evaluation(source, name, camera, target),
         truth=_copied_truth(source, name, camera, similarity.scale, target),
     )
@@ -169,6 +172,18 @@ def _write_labels(file: Path, source: SourceView, camera: Camera, path: Path) ->
         )
     scaled = _scaled(labels, camera, cv2.INTER_NEAREST_EXACT)
     write_image(path, scaled)
+
+
+def _write_normals(
+    source: SourceView, name: str, camera: Camera, similarity: Similarity, target: Path
+) -> str | None:
+    if source.normals is None:
+        return None
+    given = world_normals(source.normals, source.camera, source.lens, stored_size(source))
+    turned = given @ similarity.rotation.numpy().astype(np.float32).T
+    path = f"given/normals/{name}.exr"
+    write_exr(target / path, smaller_normals(turned, camera.width, camera.height))
+    return path
 
 
 def _copied_evaluation(

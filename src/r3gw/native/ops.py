@@ -104,11 +104,12 @@ def rasterize(
     width: int,
     height: int,
     num_feature_gradients: int,
+    pulls2d: Tensor | None,
 ) -> Rasterized:
     """See `r3gw.raster.rasterize`; arguments are not checked. Differentiable; any strides."""
     gaussians = (means, quaternions, scales, opacities, features, background)
     view = (cam_from_world, intrinsics, width, height)
-    return Rasterized(*_ops.rasterize(*gaussians, *view, num_feature_gradients))
+    return Rasterized(*_ops.rasterize(*gaussians, *view, num_feature_gradients, pulls2d))
 
 
 def rendered_channels() -> list[tuple[str, int, bool]]:

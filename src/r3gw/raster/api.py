@@ -22,6 +22,7 @@ def rasterize(
     background: Float[Tensor, " channels"] | None = None,
     *,
     num_feature_gradients: int | None = None,
+    pulls2d: Float[Tensor, "n 2"] | None = None,
     backend: str | None = None,
 ) -> RasterResult:
     """Composite Gaussians front to back into an image of feature channels.
@@ -47,6 +48,10 @@ def rasterize(
         background: What shows through, zeros if None.
         num_feature_gradients: Only the first so many channels send a gradient to `features` (the
             others get zeros); every channel sends one to geometry and opacity. None: all.
+        pulls2d: Zeros that require a gradient. They take no part in the picture; their ``.grad`` is
+            that of the projected means, but pixels add up without their signs, so that those that
+            pull in opposite directions do not cancel (Ye et al., 2024). Of more than 16 channels
+            the backend ``cpp`` adds up the pulls of every 16. None: not computed.
         backend: ``cpp`` (float32 on the CPU), ``torch`` (the plain reference, for small scenes), or
             what `r3gw.raster.backends.register_backend` has added. None: ``cpp`` for tensors on the
             CPU; elsewhere what is registered for the device, or ``torch``.
@@ -62,4 +67,5 @@ def rasterize(
         raise ValueError(f"num_feature_gradients must be in 0..{channels}, got {columns}")
     chosen = backend_named(backend, means.device)
     view = cam_from_world, [float(value) for value in intrinsics], width, height
-    return chosen(means, quaternions, scales, opacities, features, *view, background, columns)
+    gaussians = means, quaternions, scales, opacities, features
+    return chosen(*gaussians, *view, background, columns, pulls2d)

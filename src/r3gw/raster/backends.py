@@ -36,6 +36,7 @@ class Backend(Protocol):
         height: int,
         background: Float[Tensor, " channels"] | None,
         num_feature_gradients: int,
+        pulls2d: Float[Tensor, "n 2"] | None,
     ) -> RasterResult:
         """Composite Gaussians front to back."""
         ...

@@ -22,6 +22,7 @@ def rasterize(
     height: int,
     background: Tensor | None,
     num_feature_gradients: int,
+    pulls2d: Tensor | None,
 ) -> RasterResult:
     """See `r3gw.raster.rasterize`. One pass in C++ tells whether anything is wrong.
 
@@ -35,4 +36,4 @@ def rasterize(
     if not (on_cpu and ops.is_usable(*gaussians, *view)):
         validation.check_kind(means, torch.float32, "cpu")
         validation.check(*gaussians, *view)
-    return RasterResult(*ops.rasterize(*gaussians, *view, num_feature_gradients))
+    return RasterResult(*ops.rasterize(*gaussians, *view, num_feature_gradients, pulls2d))

@@ -21,6 +21,7 @@ def rasterize(
     height: int,
     background: Tensor | None,
     num_feature_gradients: int,
+    pulls2d: Tensor | None,
 ) -> RasterResult:
     """See `r3gw.raster.rasterize`; every Gaussian meets every pixel.
 
@@ -33,4 +34,4 @@ def rasterize(
     validation.check(*gaussians, background, *view)
     learned, fixed = features.tensor_split([num_feature_gradients], dim=1)
     features = torch.cat([learned, fixed.detach()], dim=1)
-    return reference.rasterize(*gaussians[:-1], features, *view, background)
+    return reference.rasterize(*gaussians[:-1], features, *view, background, pulls2d)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
+from torch.autograd.function import FunctionCtx
 
 from r3gw.raster.result import RasterResult
 
@@ -31,6 +32,7 @@ def rasterize(
     width: int,
     height: int,
     background: Float[Tensor, " channels"] | None = None,
+    pulls2d: Float[Tensor, "n 2"] | None = None,
 ) -> RasterResult:
     """Composite Gaussians front to back; arguments and result as of `r3gw.raster.rasterize`."""
     position = means @ cam_from_world[:3, :3].T + cam_from_world[:3, 3]
@@ -50,9 +52,10 @@ def rasterize(
     if background is None:
         background = features.new_zeros(features.shape[1])
     conics = torch.linalg.inv(covariance[order])
+    pulls2d = torch.zeros_like(means2d) if pulls2d is None else pulls2d
+    drawn2d = means2d[order], pulls2d[order], conics
     rows = [
-        _composite_row(y, width, means2d[order], conics, opacities[order], features[order])
-        for y in range(height)
+        _composite_row(y, width, *drawn2d, opacities[order], features[order]) for y in range(height)
     ]
     transmittance = torch.stack([row[1] for row in rows])
     image = torch.stack([row[0] for row in rows]) + transmittance[..., None] * background
@@ -120,6 +123,7 @@ def _composite_row(
     y: int,
     width: int,
     means2d: Float[Tensor, "n 2"],
+    pulls2d: Float[Tensor, "n 2"],
     conics: Float[Tensor, "n 2 2"],
     opacities: Float[Tensor, " n"],
     features: Float[Tensor, "n channels"],
@@ -127,7 +131,8 @@ def _composite_row(
     """One image row without its background, and its final transmittance."""
     x = torch.arange(width, dtype=means2d.dtype, device=means2d.device) + 0.5
     pixels = torch.stack([x, torch.full_like(x, y + 0.5)], dim=-1)
-    offset = pixels[:, None] - means2d
+    repeated: Tensor = _ForEachPixel.apply(means2d, pulls2d, width)  # type: ignore[no-untyped-call]
+    offset = pixels[:, None] - repeated
     power = -0.5 * torch.einsum("pni,nij,pnj->pn", offset, conics, offset)
     alpha = (opacities * torch.exp(power)).clamp_max(MAX_ALPHA)
     alpha = torch.where(alpha >= MIN_ALPHA, alpha, 0)
@@ -135,6 +140,24 @@ def _composite_row(
     alpha = torch.where(is_open, alpha, 0)
     weights = alpha * _transmittance_before(alpha)
     return weights @ features, torch.prod(1 - alpha, dim=-1)
+
+
+class _ForEachPixel(torch.autograd.Function):
+    """Means once per pixel; sums what pixels pull them by, and into pulls its absolute values."""
+
+    @staticmethod
+    def forward(
+        _: FunctionCtx, means2d: Float[Tensor, "n 2"], __: Float[Tensor, "n 2"], pixels: int
+    ) -> Float[Tensor, "p n 2"]:
+        """Repeat the means."""
+        return means2d.expand(pixels, -1, -1)
+
+    @staticmethod
+    def backward(
+        _: FunctionCtx, gradient: Float[Tensor, "p n 2"]
+    ) -> tuple[Float[Tensor, "n 2"], Float[Tensor, "n 2"], None]:
+        """Sum over the pixels, with signs and without."""
+        return gradient.sum(dim=0), gradient.abs().sum(dim=0), None
 
 
 def _transmittance_before(alpha: Float[Tensor, "p n"]) -> Float[Tensor, "p n"]:

@@ -41,6 +41,7 @@ class Rendering:
         alpha: Accumulated opacity of both sets.
         radii_px: 0 = not visible.
         means2d: Pixels; its ``.grad`` feeds densification.
+        pulls2d: Whose ``.grad`` does in its place (`r3gw.raster.rasterize`); None where not wanted.
         splats: What was drawn.
     """
 
@@ -48,6 +49,7 @@ class Rendering:
     alpha: Float[Tensor, "h w"]
     radii_px: Float[Tensor, "n"]
     means2d: Float[Tensor, "n 2"]
+    pulls2d: Float[Tensor, "n 2"] | None
     splats: Splats
 
     @property
@@ -148,8 +150,8 @@ def shaded_splats(
     return in_sun.with_colours(torch.lerp(in_shade, in_sun.colours, lit))
 
 
-def draw(splats: Splats, camera: Camera) -> Rendering:
-    """Composite Gaussians with everything that the losses need."""
+def draw(splats: Splats, camera: Camera, pulls2d: Float[Tensor, "n 2"] | None = None) -> Rendering:
+    """Composite Gaussians with everything that the losses need; pulls as of `rasterize`."""
     result = rasterize(
         splats.means,
         splats.quaternions,
@@ -161,5 +163,6 @@ def draw(splats: Splats, camera: Camera) -> Rendering:
         camera.width,
         camera.height,
         num_feature_gradients=NUM_LEARNED,
+        pulls2d=pulls2d,
     )
-    return Rendering(result.planes, result.alpha, result.radii_px, result.means2d, splats)
+    return Rendering(result.planes, result.alpha, result.radii_px, result.means2d, pulls2d, splats)

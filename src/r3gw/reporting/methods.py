@@ -39,6 +39,7 @@ _METHODS = {
     ),
     "r3gw_plus": Method("r3gw_plus", "r3gw_plus", BEYOND),
     "r3gw_sun": Method("r3gw_sun", "r3gw_sun", BEYOND),
+    "r3gw_sun_known": Method("r3gw_sun, known suns", "r3gw_sun_known", BEYOND),
 }
 RECOMMENDED = "r3gw_plus"
 _GROUPS = (PAPER, ABLATION, BEYOND, OWN)

@@ -19,6 +19,7 @@ from r3gw.files.strict import Strict, read_yaml, validated
 from r3gw.geometry.cameras import Camera
 from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.formats import MOST_PIXELS
+from r3gw.scene.sun_position import SunPosition
 
 _ARRAYS = {"xyz": Array(np.float32, (None, 3)), "rgb": Array(np.uint8, (None, 3))}
 
@@ -79,6 +80,8 @@ class View(Strict):
         cam_from_world: Rigid transform ``[4, 4]``.
         split: Whether the photo is trained on or held out.
         session: When it was taken, for photos that share a light.
+        sun: Where the sun stood over the place, if date, time and place are known.
+        normals: Normal map that came with the photo, EXR, world axes, 0 where there is none.
         evaluation: How the published protocol lights it.
         truth: What is known exactly of it.
     """
@@ -93,6 +96,8 @@ class View(Strict):
     cam_from_world: tuple[Row4, Row4, Row4, Row4]
     split: Literal["train", "test"]
     session: str | None
+    sun: SunPosition | None = None
+    normals: str | None = None
     evaluation: EvaluationEntry | None = None
     truth: GroundTruth | None = None
 
@@ -203,7 +208,7 @@ def _require_safe(view: View, folder: Path, source: str) -> None:
     """
     if leads_outside(view.name) or {"/", "\\"} & set(view.name):
         raise InputError(f"{source}: {view.name!r} is no name of a view; import the scene again")
-    names = [view.image]
+    names = [view.image, *filter(None, [view.normals])]
     if view.evaluation is not None:
         names += [view.evaluation.env_map, *filter(None, [view.evaluation.mask])]
     if view.truth is not None:

@@ -23,6 +23,7 @@ from r3gw.model.model_file import (
     model_tensors,
 )
 from r3gw.training.health import require_finite_parameters
+from r3gw.training.known_suns import TiedSuns
 from r3gw.training.run_digest import run_digest
 from r3gw.training.settings import TrainSettings
 from r3gw.training.state import TrainingState, first_state
@@ -136,6 +137,7 @@ def _record(state: TrainingState) -> dict[str, Any]:
         "seconds": state.history.seconds(),
         "notes": state.notes,
         "sun_shadows": state.sun_shadows.record(),
+        "tied_suns": state.tied_suns.record(),
     }
 
 
@@ -154,6 +156,7 @@ def _state(
     state.history.resume(list(record["history"]), float(record["seconds"]))
     state.notes = dict(record["notes"])
     state.sun_shadows = SunShadows.restored(_part(tensors, SUN_SHADOWS), record["sun_shadows"])
+    state.tied_suns = TiedSuns.restored(record["tied_suns"])
     state.iteration = int(record["iteration"])
     state.generator.set_state(tensors[GENERATORS[0]])
     torch.set_rng_state(tensors[GENERATORS[1]])

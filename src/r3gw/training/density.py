@@ -1,8 +1,7 @@
 """Adaptive density: clone, split and prune both sets, and reset opacities.
 
 Statistics follow Kerbl et al. (2023): the mean, over the views that saw a Gaussian, of the norm
-of the screen-space position gradient in NDC units. The threshold rises exponentially with the
-iteration (Grubert et al., 2025).
+of the screen-space position gradient in NDC units. How many grow: `r3gw.training.growth`.
 """
 
 from collections.abc import Mapping
@@ -20,6 +19,7 @@ from r3gw.model.foreground import too_large
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import Rows
 from r3gw.native import kernels, ops
+from r3gw.training.growth import Growth
 from r3gw.training.settings import DensitySettings
 
 SPLIT_SHRINK = 1.6
@@ -71,44 +71,32 @@ class GradientStatistics:
         return self.total / self.views.clamp_min(1.0)
 
 
-def rising_threshold(progress: float, first: float, last: float | None) -> float:
-    """Densification threshold, exponential between ``first`` (progress 0) and ``last`` (1).
-
-    Without ``last`` it stays the first.
-    """
-    if last is None:
-        return first
-    share = min(max(progress, 0.0), 1.0)
-    return float(first * (last / first) ** share)
-
-
 def densify(
     model: SceneModel,
     optimizer: Optimizer,
     gradients: Float[Tensor, "n"],
     settings: DensitySettings,
     *,
-    most: int,
-    threshold: float,
+    growth: Growth,
     extent: float,
     prune_huge: bool,
     generator: torch.Generator,
 ) -> Grown:
-    """Clone or split every Gaussian above ``threshold``, then prune, in both sets.
+    """Clone or split every Gaussian above the threshold, then prune, in both sets.
 
     Args:
         model: Changed in place.
         optimizer: Its state follows the rows.
         gradients: Mean NDC gradient norms, foreground first.
         settings: Sizes, opacities and the share of the sky.
-        most: The largest number of Gaussians, now.
-        threshold: Gradient norm above which a Gaussian is densified.
+        growth: How many there may be, and above which gradient norm one is densified.
         extent: Camera extent, world units; sizes are judged relative to it, in the sky
             relative to the dome's radius where that is larger.
         prune_huge: Whether too large Gaussians go, as they do after the first opacity reset.
         generator: Draws the positions of split children.
     """
     split_at = len(model.foreground)
+    most, threshold = growth
     budget = most - model.num_gaussians
     sky_extent = max(extent, float(model.sky.radius.detach()))
     capped = []

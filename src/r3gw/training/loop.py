@@ -15,8 +15,8 @@ from r3gw.training.density import (
     GradientStatistics,
     densify,
     reset_opacity,
-    rising_threshold,
 )
+from r3gw.training.growth import growth_at
 from r3gw.training.health import (
     Diverged,
     diverged_in_rendering,
@@ -126,11 +126,15 @@ def step(
         raise diverged_in_rendering(state, photo, error) from error
     require_finite_loss(state, photo, float(loss.detach()), parts)
     torch.autograd.backward(loss)
-    gradient = rendering.means2d.grad
+    moving = rendering.means2d if rendering.pulls2d is None else rendering.pulls2d
+    gradient = moving.grad
     if iteration <= schedule.densify_last and gradient is not None:
         camera = photo.camera
         state.statistics.add(gradient, rendering.radii_px, camera.width, camera.height)
     adam_step(state.optimizer)
+    if settings.daylight.suns == "known":
+        suns = [photo.known_sun for photo in sizes.photos]
+        state.tied_suns.keep(model.appearance, suns, iteration, schedule.suns_tied_from)
     model.sky.clamp_to_dome()
     model.sky.keep_opaque(settings.sky.least_opacity)
     _change_density(state, schedule, extent)
@@ -153,26 +157,22 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
     iteration, model = state.iteration, state.model
     density = state.settings.density
     if schedule.densifies(iteration):
-        share = schedule.gaussians_share(iteration)
-        threshold = rising_threshold(
-            schedule.density_progress(iteration),
-            density.threshold_first,
-            density.threshold_last,
-        )
+        gradients = state.statistics.mean()
         grown = densify(
             model,
             state.optimizer,
-            state.statistics.mean(),
+            gradients,
             density,
-            most=round(share * density.max_gaussians),
-            threshold=threshold,
+            growth=growth_at(iteration, gradients, density, schedule),
             extent=extent,
             prune_huge=schedule.prunes_huge(iteration),
             generator=state.generator,
         )
         state.statistics = GradientStatistics.of(model)
-        # Small photos ask for few Gaussians; that is no reason to warn.
-        watch_counts(state, grown if share >= 1.0 else UNCAPPED)
+        # Small photos ask for few Gaussians, and even growth always ends at the largest number:
+        # neither is a reason to warn.
+        is_free = schedule.gaussians_share(iteration) >= 1.0 and density.growth == "threshold"
+        watch_counts(state, grown if is_free else UNCAPPED)
     if schedule.resets_opacity(iteration):
         reset_opacity(model, state.optimizer, density.reset_opacity)
 

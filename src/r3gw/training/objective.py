@@ -9,11 +9,13 @@ from torch import Tensor
 from r3gw.model.model import SceneModel
 from r3gw.rendering.channels import Layers
 from r3gw.rendering.compose import Rendering, draw, shaded_splats
+from r3gw.rendering.splat_set import Splats
 from r3gw.training.dropping import dropped, share_at
 from r3gw.training.lights.base import NamedLoss
 from r3gw.training.lights.kinds import training_of
 from r3gw.training.losses.choice import FORMS
 from r3gw.training.losses.forms import PictureWeights
+from r3gw.training.losses.geometry import given_normal_loss
 from r3gw.training.losses.lighting import unlikeness
 from r3gw.training.losses.weighted import sum_of, value_of
 from r3gw.training.photos import Photo
@@ -55,7 +57,7 @@ def objective(
         sunlight = sun_shadows.of(model, row, lit.sun, iteration, schedule)
     splats = shaded_splats(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
     share = share_at(iteration, settings.iterations, settings.dropping.share)
-    rendering = draw(dropped(splats, share, generator), photo.camera)
+    rendering = draw(dropped(splats, share, generator), photo.camera, pulls(splats, settings))
     acting = acting_weights(settings, schedule, iteration)
     pixels = losses.picture(
         rendering.planes,
@@ -80,10 +82,18 @@ def objective(
     others = [
         *light_training.losses(lit, photo, settings, generator),
         *gains_losses(model, settings, index, generator),
+        *given_normals(rendering, photo, settings, schedule, iteration),
         *regularisers(rendering, settings, schedule, iteration),
     ]
     parts |= {name: value_of(loss) for name, loss in others}
     return rendering, sum_of([pixels.total, *(loss for _, loss in others)]), parts
+
+
+def pulls(splats: Splats, settings: TrainSettings) -> Float[Tensor, "n 2"] | None:
+    """Where densification wants gradients without signs, what collects them."""
+    if settings.density.gradient == "net":
+        return None
+    return splats.means.new_zeros(len(splats.means), 2).requires_grad_()
 
 
 def gains_losses(
@@ -104,6 +114,25 @@ def gains_losses(
     lights = [appearance.scene_light(photo).light for photo in (index, other)]
     loss = weights.steady * appearance.gains()[index].log().square().sum()
     yield NamedLoss("gains", loss + weights.alike * unlikeness(*lights))
+
+
+def given_normals(
+    rendering: Rendering, photo: Photo, settings: TrainSettings, schedule: Schedule, iteration: int
+) -> Iterator[NamedLoss]:
+    """Surfaces are turned as the normal map says that came with a photo, if one did.
+
+    Args:
+        rendering: The Gaussians as the photo's camera sees them.
+        photo: The photo.
+        settings: The settings of the run.
+        schedule: Says which losses act.
+        iteration: Counts from 1.
+    """
+    weight = settings.weights.given_normal
+    if photo.normals is None or weight == 0 or iteration <= schedule.geometry_losses_from:
+        return
+    loss = given_normal_loss(rendering.normal, photo.normals, photo.is_valid & ~photo.is_sky)
+    yield NamedLoss("given_normal", weight * loss)
 
 
 def regularisers(

@@ -5,14 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float, UInt8
+from jaxtyping import Bool, Float, Int8, UInt8
 from torch import Tensor
 
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
-from r3gw.imaging.files import read_rgb
+from r3gw.imaging.files import read_linear, read_rgb
 from r3gw.masks.folder import load_masks
 from r3gw.scene import Scene, View
+from r3gw.training.known_suns import direction_of
 from r3gw.training.visible_sky import VisibleSky, visible_sky
 
 
@@ -27,6 +28,8 @@ class Photo:
         is_valid: False on occluders.
         is_sky: True on sky.
         seen_sky: Some of its sky pixels; None if it shows hardly any.
+        normals: Given unit normals times 127, in world axes, 0 where there is none.
+        known_sun: Unit vector to its sun if north were +z, where date, time and place tell it.
     """
 
     name: str
@@ -35,6 +38,8 @@ class Photo:
     is_valid: Bool[Tensor, "h w"]
     is_sky: Bool[Tensor, "h w"]
     seen_sky: VisibleSky | None = None
+    known_sun: Float[Tensor, "3"] | None = None
+    normals: Int8[Tensor, "h w 3"] | None = None
 
     def target(self) -> Float[Tensor, "h w 3"]:
         """Display values in [0, 1]."""
@@ -57,6 +62,24 @@ def read_photo(view: View, scene_folder: Path) -> UInt8[np.ndarray, "h w 3"]:
     return pixels
 
 
+def read_normals(view: View, scene_folder: Path) -> Int8[Tensor, "h w 3"] | None:
+    """The normal map that came with a view, as `Photo` holds it.
+
+    Raises:
+        InputError: If the file is missing, unreadable or of the wrong size.
+    """
+    if view.normals is None:
+        return None
+    path = scene_folder / view.normals
+    normals = read_linear(path)
+    if normals.shape[:2] != (view.height, view.width):
+        raise InputError(
+            f"{path}: {normals.shape[1]}x{normals.shape[0]} px, but scene.json says "
+            f"{view.width}x{view.height} px; import the scene again"
+        )
+    return torch.from_numpy(np.round(127 * np.clip(normals, -1, 1)).astype(np.int8))
+
+
 def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Photo]:
     """Read all training photos of a scene and their masks.
 
@@ -76,6 +99,8 @@ def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Ph
                 is_valid,
                 is_sky,
                 visible_sky(view.camera, planes, is_sky & is_valid),
+                None if view.sun is None else direction_of(view.sun),
+                read_normals(view, scene_folder),
             )
         )
     if not photos:

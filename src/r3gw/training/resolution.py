@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int8
 from torch import Tensor
 from torch.nn.functional import interpolate
 
@@ -65,7 +65,15 @@ def smaller(photo: Photo, share: float) -> Photo:
         planes=colours.round().clamp(0, 255).to(torch.uint8),
         is_valid=valid[0] >= 0.5,
         is_sky=sky[0] >= 0.5 * valid[0].clamp_min(1e-6),
+        normals=None if photo.normals is None else _chosen(photo.normals, height, width),
     )
+
+
+def _chosen(picture: Int8[Tensor, "h w 3"], height: int, width: int) -> Int8[Tensor, "h2 w2 3"]:
+    """The pixels in the middle of the rectangles that fewer, larger pixels cover."""
+    rows = (torch.arange(height) + 0.5) * picture.shape[0] / height
+    columns = (torch.arange(width) + 0.5) * picture.shape[1] / width
+    return picture[rows.long()][:, columns.long()]
 
 
 def _averaged(

@@ -93,7 +93,8 @@ def run_training(
     initial = load_initial(files.initial)
     names = tuple(photo.name for photo in photos)
     sessions = tuple(view.session or view.name for view in imported.split("train"))
-    start = initial_model(initial, names, settings, sessions, [photo.seen_sky for photo in photos])
+    skies, suns = [photo.seen_sky for photo in photos], [photo.known_sun for photo in photos]
+    start = initial_model(initial, names, settings, sessions, skies, suns=suns)
     values = asked.model_dump(mode="json")
     parts = run_parts(values, _code(), photos, sessions, initial, num_threads)
     checkpoints = Checkpoints(files.target, parts, checkpoint_s)
@@ -147,6 +148,7 @@ def _record(
         "num_foreground": len(state.model.foreground),
         "num_sky": len(state.model.sky.rows),
         "notes": state.notes,
+        "known_suns": state.tied_suns.record() if state.tied_suns.yaw_deg is not None else None,
     }
 
 

@@ -57,8 +57,11 @@ def run_digest(parts: Mapping[str, str]) -> str:
 def _photo_items(photos: Sequence[Photo], sessions: Sequence[str]) -> Iterable[str | Tensor]:
     for photo, session in zip(photos, sessions, strict=True):
         camera = photo.camera
-        yield json.dumps([photo.name, session, camera.width, camera.height, camera.intrinsics])
+        sun = None if photo.known_sun is None else photo.known_sun.tolist()
+        yield json.dumps([photo.name, session, camera.width, camera.height, camera.intrinsics, sun])
         yield from (camera.cam_from_world, photo.planes)
+        if photo.normals is not None:
+            yield photo.normals
 
 
 def _digest(items: Iterable[str | Tensor]) -> str:

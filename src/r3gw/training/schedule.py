@@ -37,6 +37,7 @@ class Schedule:
     occlusion_first: int
     occlusion_interval: int
     shadow_age: int
+    suns_tied_from: int
     smallest_photo: float
     photos_whole_from: int
 
@@ -61,6 +62,7 @@ class Schedule:
             occlusion_first=own(occlusion.first),
             occlusion_interval=own(occlusion.interval),
             shadow_age=own(settings.daylight.shadow_age),
+            suns_tied_from=own(settings.daylight.suns_tied_from),
             smallest_photo=settings.resolution.smallest,
             photos_whole_from=own(settings.resolution.whole_from),
         )
@@ -88,6 +90,10 @@ class Schedule:
         """Whether Gaussians are cloned, split and pruned after this iteration."""
         is_due = iteration % self.densify_interval == 0
         return is_due and self.densify_first <= iteration <= self.densify_last
+
+    def densifications_left(self, iteration: int) -> int:
+        """How many densifications there still are, that of this iteration included."""
+        return (self.densify_last - iteration) // self.densify_interval + 1
 
     def holds_back_unseen(self, iteration: int) -> bool:
         """Whether unseen Gaussians are held back after this iteration: to the end of the run."""

@@ -68,6 +68,7 @@ class WeightSettings(Strict):
     ssim: float = Field(ge=0, le=1)
     light: float = Field(ge=0)
     normal: float = Field(ge=0)
+    given_normal: float = Field(ge=0)
     scale: float = Field(ge=0)
     separation: float = Field(ge=0)
     sky_depth: float = Field(ge=0)
@@ -81,8 +82,14 @@ class DensitySettings(Strict):
     """Clone, split, prune and opacity reset.
 
     No resets where the interval is null; a threshold whose last value is null keeps the first.
+    ``gradient`` says how a view's pixels add up to what is held against the threshold: with
+    their signs (net), or without (absolute; Ye et al., 2024). ``growth`` says who is densified:
+    all above the threshold until ``max_gaussians`` are there (threshold), or the strongest, as many
+    each time as reach that number at the last densification (even).
     """
 
+    gradient: Literal["net", "absolute"]
+    growth: Literal["threshold", "even"]
     first: int = Field(ge=0)
     last: int = Field(ge=0)
     interval: int = Field(gt=0)
@@ -137,9 +144,15 @@ class DaylightSettings(Strict):
             where they hide all of the sky.
         sharp: Share of the sun whose shadows are sharp; the rest is shaded by its SH.
         shadow_age: Iterations after which shadows are cast anew.
+        suns: Whether suns are learned, or known where date, time and place tell them
+            (r3gw.training.known_suns).
+        suns_tied_from: Iteration of the paper's schedule from which on known suns are tied
+            together.
     """
 
     enabled: bool
+    suns: Literal["learned", "known"]
+    suns_tied_from: int = Field(gt=0)
     sun_bounce: float = Field(ge=0, le=1)
     sharp: float = Field(ge=0, le=1)
     shadow_age: int = Field(ge=1)

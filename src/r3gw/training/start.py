@@ -13,6 +13,7 @@ from r3gw.model.light_models.base import LightModel
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION
 from r3gw.model.sky import initial_sky
+from r3gw.training.known_suns import Suns, suns_by_row
 from r3gw.training.lights.kinds import first_light
 from r3gw.training.settings import TrainSettings
 from r3gw.training.visible_sky import VisibleSky, seen_by_row
@@ -25,6 +26,7 @@ def initial_model(
     sessions: tuple[str, ...] | None = None,
     seen: Sequence[VisibleSky | None] = (),
     light_model: LightModel | None = None,
+    suns: Suns = (),
 ) -> SceneModel:
     """Build the model that training starts from.
 
@@ -35,6 +37,7 @@ def initial_model(
         sessions: The photos' sessions; by default each photo is a session of its own.
         seen: What each photo shows of its sky, if any.
         light_model: The light model to use; None takes the one that the settings ask for.
+        suns: The sun of each photo, if it is known (r3gw.training.known_suns).
     """
     sessions = photos if sessions is None else sessions
     generator = torch.Generator().manual_seed(settings.seed)
@@ -44,7 +47,7 @@ def initial_model(
         angles = angles[:0]
     rows = light_rows(sessions, settings.model.share_session_light)
     if light_model is None:
-        light_model = first_light(settings, seen_by_row(rows, seen))
+        light_model = first_light(settings, seen_by_row(rows, seen), suns_by_row(rows, suns))
     description = _description(settings, light_model)
     foreground = initial_foreground(points, settings.init)
     if settings.occlusion.enabled:

@@ -7,6 +7,7 @@ import torch
 from r3gw.model.model import SceneModel
 from r3gw.training.density import GradientStatistics
 from r3gw.training.history import History
+from r3gw.training.known_suns import TiedSuns
 from r3gw.training.optimizer import make_optimizer
 from r3gw.training.order import PhotoOrder
 from r3gw.training.settings import TrainSettings
@@ -26,6 +27,7 @@ class TrainingState:
         generator: Draws everything random but dropout, which draws from torch's own.
         history: Rows so far.
         sun_shadows: Shadows that were cast a short while ago.
+        tied_suns: Suns that are known and move together.
         notes: What run.json should say of the run, with the iteration where it happened first.
         iteration: Iterations done.
     """
@@ -38,6 +40,7 @@ class TrainingState:
     generator: torch.Generator
     history: History
     sun_shadows: SunShadows = field(default_factory=SunShadows)
+    tied_suns: TiedSuns = field(default_factory=TiedSuns)
     notes: dict[str, int] = field(default_factory=dict)
     iteration: int = 0
 

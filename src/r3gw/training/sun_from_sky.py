@@ -28,17 +28,24 @@ def sun_from_sky(photos: Sequence[VisibleSky]) -> Float[Tensor, "3"] | None:
     Args:
         photos: What photos under the same sun show of their sky, at least one.
     """
-    brightness = torch.cat([photo.radiance.mean(dim=-1) for photo in photos])
-    shown = brightness.clamp_min(DARKEST).log()
-    # Bands 1 of the basis are a factor times y, z and x.
-    looks = torch.cat([photo.basis for photo in photos])[:, [3, 1, 2]] / sqrt(3 / (4 * pi))
+    shown, looks = brightness_and_looks(photos)
     suns = upper_directions(CANDIDATES)
     suns = suns[-suns[:, 1] > LOWEST_SINE]
-    left = torch.stack([_spread(shown - clear_sky(looks, sun).sum(dim=0).log()) for sun in suns])
+    left = torch.stack([spread(shown - clear_sky(looks, sun).sum(dim=0).log()) for sun in suns])
     best = int(left.argmin())
-    return suns[best] if float(left[best]) < MOST_LEFT * float(_spread(shown)) else None
+    return suns[best] if float(left[best]) < MOST_LEFT * float(spread(shown)) else None
 
 
-def _spread(values: Float[Tensor, "n"]) -> Float[Tensor, ""]:
+def brightness_and_looks(
+    photos: Sequence[VisibleSky],
+) -> tuple[Float[Tensor, "n"], Float[Tensor, "n 3"]]:
+    """Logarithm of the brightness of sky pixels, and the unit vectors in which they look."""
+    brightness = torch.cat([photo.radiance.mean(dim=-1) for photo in photos])
+    # Bands 1 of the basis are a factor times y, z and x.
+    looks = torch.cat([photo.basis for photo in photos])[:, [3, 1, 2]] / sqrt(3 / (4 * pi))
+    return brightness.clamp_min(DARKEST).log(), looks
+
+
+def spread(values: Float[Tensor, "n"]) -> Float[Tensor, ""]:
     """Mean distance from the mean."""
     return (values - values.mean()).abs().mean()

@@ -10,7 +10,12 @@ from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.geometry.spherical import direction_from_angles
 from r3gw.lighting import sh
-from r3gw.training.losses.geometry import flatness_loss, normal_loss, normals_from_depth
+from r3gw.training.losses.geometry import (
+    flatness_loss,
+    given_normal_loss,
+    normal_loss,
+    normals_from_depth,
+)
 from r3gw.training.losses.lighting import positivity_loss, random_directions, visible_sky_loss
 from r3gw.training.losses.reconstruction import masked_l1
 from r3gw.training.losses.separation import separation_loss, silhouette_loss, sky_depth_loss
@@ -200,3 +205,18 @@ def test_sky_depth_is_zero_without_one_of_the_sets(hidden):
     visible[hidden] = False
     depths = torch.arange(5.0, requires_grad=True)
     assert float(sky_depth_loss(depths, visible, 2, gamma=0.02).detach()) == 0.0
+
+
+def test_given_normals_by_hand():
+    """Half a turn costs 2, a right angle 1, and pixels without a normal nothing."""
+    given = torch.zeros(1, 4, 3, dtype=torch.int8)
+    given[0, :3] = torch.tensor([0, 0, -127], dtype=torch.int8)
+    rendered = torch.tensor([[[0.0, 0, -1], [0, 0, 1], [1, 0, 0], [0, 0, 1]]])
+    everywhere = torch.ones(1, 4, dtype=torch.bool)
+    loss = given_normal_loss(rendered, given, everywhere)
+    torch.testing.assert_close(loss, torch.tensor(1.0), rtol=0, atol=1e-6)
+    first = torch.tensor([[True, False, False, True]])
+    torch.testing.assert_close(
+        given_normal_loss(rendered, given, first), torch.tensor(0.0), rtol=0, atol=1e-6
+    )
+    assert float(given_normal_loss(rendered, given, ~everywhere)) == 0.0

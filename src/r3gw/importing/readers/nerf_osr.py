@@ -1,6 +1,7 @@
 """Reader of NeRF-OSR scenes as LumiGauss prepared them, and of the embedded benchmark's own."""
 
 from collections.abc import Collection, Mapping
+from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import Annotated
 
@@ -30,6 +31,7 @@ from r3gw.importing.split import SplitLine, find_split_file, read_split
 from r3gw.scene import GroundTruth
 from r3gw.scene.names import ByPhoto, stem_of
 from r3gw.scene.scene import Row3
+from r3gw.scene.sun_position import SunPosition
 
 _EXTENSIONS = ("albedo", "normal", "depth")
 
@@ -41,8 +43,14 @@ class _TruthView(BaseModel):
     white_balance: Row3
 
 
+class _TruthSession(BaseModel):
+    model_config = ConfigDict(allow_inf_nan=False)
+    sun_direction: Row3
+
+
 class _TruthFile(BaseModel):
     views: dict[str, _TruthView]
+    sessions: dict[str, _TruthSession] = Field(default_factory=dict)
 
 
 class NerfOsrReader(Reader[SyntheticScene | NerfOsrScene]):
@@ -116,7 +124,10 @@ class NerfOsrReader(Reader[SyntheticScene | NerfOsrScene]):
         evaluation = ByPhoto(
             read_evaluation(self.source / "eval_files"), chosen, "eval_files/test_config.py"
         )
-        truth = ByPhoto(_ground_truth(self.source / "ground_truth"), chosen, "ground_truth.json")
+        known = _read_truth(self.source / "ground_truth")
+        facts = _ground_truth(known, self.source / "ground_truth")
+        truth = ByPhoto(facts, chosen, "ground_truth.json")
+        suns = ByPhoto(_true_suns(known), chosen, "ground_truth.json")
         views = [
             SourceView(
                 path=path,
@@ -127,6 +138,7 @@ class NerfOsrReader(Reader[SyntheticScene | NerfOsrScene]):
                 masks=masks_of(masks, path),
                 evaluation=evaluation_with_mask(evaluation.get(path), eval_masks.get(path)),
                 truth=truth.get(path),
+                sun=suns.get(path),
             )
             for path in chosen
         ]
@@ -177,22 +189,40 @@ def _left_out(
     return reasons
 
 
-def _ground_truth(folder: Path) -> dict[str, GroundTruth]:
+def _read_truth(folder: Path) -> _TruthFile:
+    """``ground_truth.json`` of the embedded benchmark; nothing where the data has none."""
     path = folder / "ground_truth.json"
     if not path.is_file():
-        return {}
+        return _TruthFile(views={})
     try:
-        content = _TruthFile.model_validate_json(path.read_bytes())
+        return _TruthFile.model_validate_json(path.read_bytes())
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
         raise InputError(f"{path}: key '{key}': {first['msg']}") from None
+
+
+def _ground_truth(content: _TruthFile, folder: Path) -> dict[str, GroundTruth]:
+    source = str(folder / "ground_truth.json")
     return {
         name: GroundTruth(
             exposure=view.exposure,
             white_balance=view.white_balance,
-            env_map=str(inside(folder, f"envmaps/{view.session}.exr", str(path))),
-            **{kind: str(inside(folder, f"{kind}/{name}.exr", str(path))) for kind in _EXTENSIONS},
+            env_map=str(inside(folder, f"envmaps/{view.session}.exr", source)),
+            **{kind: str(inside(folder, f"{kind}/{name}.exr", source)) for kind in _EXTENSIONS},
         )
         for name, view in content.views.items()
     }
+
+
+def _true_suns(content: _TruthFile) -> dict[str, SunPosition]:
+    """The sun of each view, as time and place would tell it; north is +z in the made scenes."""
+    suns = {}
+    for name, view in content.views.items():
+        if view.session in content.sessions:
+            x, y, z = content.sessions[view.session].sun_direction
+            elevation = degrees(atan2(-y, hypot(x, z)))
+            suns[name] = SunPosition(
+                elevation_deg=elevation, azimuth_deg=degrees(atan2(x, z)) % 360
+            )
+    return suns

@@ -14,6 +14,7 @@ from r3gw.importing.named_files import (
     pictures_by_key,
     refuse_undeveloped,
 )
+from r3gw.importing.normals import FOLDER as NORMALS
 from r3gw.importing.reader import Effort, Reader
 from r3gw.importing.reconstruction.copied import from_reconstruction
 from r3gw.importing.reconstruction.incremental import reconstruct
@@ -28,7 +29,7 @@ from r3gw.importing.reconstruction.video import extract_frames
 from r3gw.importing.settings import PhotosScene
 from r3gw.importing.source import SourceScene, SourceView
 
-_BESIDE = tuple(name for name, _ in MASK_FOLDERS.values())
+_BESIDE = (*(name for name, _ in MASK_FOLDERS.values()), NORMALS)
 
 
 class PhotosReader(Reader[PhotosScene]):
@@ -76,6 +77,7 @@ class PhotosReader(Reader[PhotosScene]):
                 split="train",
                 masks=photo.masks,
                 lens=model.lenses.get(photo.file.name),
+                exif=photo.exif,
             )
             for photo in prepared
             if photo.file.name in model.cameras

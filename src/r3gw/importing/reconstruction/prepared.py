@@ -34,6 +34,7 @@ class PreparedPhoto:
         focal_px: The focal length that EXIF tells, in px.
         place: Latitude and longitude in degrees and altitude in metres that EXIF tells.
         masks: Upright masks, white = True.
+        exif: The EXIF of the photo itself, empty if there is none.
     """
 
     path: str
@@ -41,6 +42,7 @@ class PreparedPhoto:
     focal_px: float | None
     place: tuple[float, float, float] | None
     masks: Mapping[MaskKind, SourceMask]
+    exif: bytes = b""
 
 
 def prepared_photos(
@@ -78,7 +80,7 @@ def prepared_photos(
         is_masked = is_masked or not keep.all()
         exif = read_exif(photos[path], picture)
         kept = {kind: mask for kind, (mask, _) in baked.items()}
-        prepared.append(PreparedPhoto(path, file, exif.focal_px, exif.place, kept))
+        prepared.append(PreparedPhoto(path, file, exif.focal_px, exif.place, kept, picture.exif))
     if not is_masked:
         shutil.rmtree(keep_folder, ignore_errors=True)
     return tuple(prepared)

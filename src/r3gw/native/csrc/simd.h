@@ -47,6 +47,7 @@ R3GW_INLINE Lanes with_lane(Lanes value, std::int64_t lane, float number) {
 R3GW_INLINE Lanes blend(IntLanes where, Lanes a, Lanes b) {
   return as_float((where & as_int(a)) | (~where & as_int(b)));
 }
+R3GW_INLINE Lanes magnitude(Lanes a) { return as_float(as_int(a) & splat_int(0x7fffffff)); }
 R3GW_INLINE Lanes clamp(Lanes a, Lanes low, Lanes high) { return minimum(maximum(a, low), high); }
 
 // 2^x for x in [-126, 127], relative error 2.6e-6 (minimax polynomial on [-1/2, 1/2]).

@@ -1,6 +1,7 @@
 // Registers torch.ops.r3gw.rasterize, which torch differentiates: projection and compositing as two
 // nodes of its graph, so that the projected means are a tensor in between and collect their own
-// gradient, as densification needs. In C++ because a node in Python costs some 0.1 ms.
+// gradient, as densification needs. Pulls on them (r3gw.raster.rasterize) are the gradient of a tensor
+// that takes no other part. In C++ because a node in Python costs some 0.1 ms.
 #include <ATen/ops/zeros_like.h>
 #include <ATen/record_function.h>
 #include <torch/csrc/autograd/custom_function.h>
@@ -57,7 +58,8 @@ struct Composite : Function<Composite> {
   // Planes and alpha. Only the first `columns` features get a gradient.
   static variable_list forward(AutogradContext* ctx, const Tensor& means2d, const Tensor& factors,
                                const Tensor& opacities, const Tensor& features,
-                               const std::optional<Tensor>& background, const Tensor& screen,
+                               const std::optional<Tensor>& background,
+                               const std::optional<Tensor>& pulls, const Tensor& screen,
                                const Tensor& radii, std::int64_t width, std::int64_t height,
                                std::int64_t columns) {
     RECORD_FUNCTION("r3gw::composite", {});
@@ -68,6 +70,7 @@ struct Composite : Function<Composite> {
     ctx->saved_data["frame"] = frame;
     ctx->saved_data["columns"] = features.requires_grad() ? columns : 0;
     ctx->saved_data["moves_background"] = background && background->requires_grad();
+    ctx->saved_data["with_pulls"] = pulls && pulls->requires_grad();
     return {planes, alpha};
   }
 
@@ -79,15 +82,18 @@ struct Composite : Function<Composite> {
         gradients[0].defined() ? gradients[0].contiguous() : at::zeros_like(planes);
     std::optional<Tensor> to_alpha;
     if (gradients[1].defined()) to_alpha = gradients[1].contiguous();
-    const auto [means2d, factors, opacities, features] = composite_backward_op(
+    const bool with_pulls = ctx->saved_data["with_pulls"].toBool();
+    const auto [means2d, factors, opacities, features, pulls] = composite_backward_op(
         ctx->saved_data["frame"].toCustomClass<FrameHandle>(), to_planes, to_alpha, planes, alpha,
-        saved[2], saved[3], saved[4], saved[5], saved[6], ctx->saved_data["columns"].toInt());
+        saved[2], saved[3], saved[4], saved[5], saved[6], ctx->saved_data["columns"].toInt(),
+        with_pulls);
     Tensor background;
     if (ctx->saved_data["moves_background"].toBool()) {
       background = background_gradient_op(to_planes, alpha);
     }
     variable_list result = {means2d, factors, opacities, features, background};
-    result.resize(10);  // One per argument.
+    result.push_back(with_pulls ? pulls : Tensor());
+    result.resize(11);  // One per argument.
     return result;
   }
 };
@@ -99,7 +105,8 @@ Rasterized with_gradient(const Tensor& means, const Tensor& quaternions, const T
                               const Tensor& opacities, const Tensor& features,
                               const std::optional<Tensor>& background,
                               const Tensor& cam_from_world, at::ArrayRef<double> intrinsics,
-                              std::int64_t width, std::int64_t height, std::int64_t columns) {
+                              std::int64_t width, std::int64_t height, std::int64_t columns,
+                         const std::optional<Tensor>& pulls2d) {
   const View view{cam_from_world, intrinsics.vec(), width, height};
   const Tensor opacity = opacities.contiguous();
   const variable_list projected = Project::apply(means.contiguous(), quaternions.contiguous(),
@@ -110,7 +117,7 @@ Rasterized with_gradient(const Tensor& means, const Tensor& quaternions, const T
   if (background) backdrop = background->contiguous();
   const variable_list drawn =
       Composite::apply(means2d, projected[1], opacity, features.contiguous(), backdrop,
-                       projected[2], radii, width, height, columns);
+                       pulls2d, projected[2], radii, width, height, columns);
   return {drawn[0], drawn[1], radii, means2d};
 }
 
@@ -118,7 +125,8 @@ Rasterized without_gradient(const Tensor& means, const Tensor& quaternions, cons
                             const Tensor& opacities, const Tensor& features,
                             const std::optional<Tensor>& background,
                             const Tensor& cam_from_world, at::ArrayRef<double> intrinsics,
-                            std::int64_t width, std::int64_t height, std::int64_t) {
+                            std::int64_t width, std::int64_t height, std::int64_t,
+                            const std::optional<Tensor>&) {
   const auto [means2d, factors, screen, radii] =
       project_op(means.contiguous(), quaternions.contiguous(), scales.contiguous(),
                  opacities.contiguous(), cam_from_world, intrinsics, width, height);
@@ -135,7 +143,7 @@ TORCH_LIBRARY_FRAGMENT(r3gw, library) {
   library.def(
       "rasterize(Tensor means, Tensor quaternions, Tensor scales, Tensor opacities, "
       "Tensor features, Tensor? background, Tensor cam_from_world, float[] intrinsics, int width, "
-      "int height, int num_feature_gradients) -> (Tensor, Tensor, Tensor, Tensor)");
+      "int height, int num_feature_gradients, Tensor? pulls2d) -> (Tensor, Tensor, Tensor, Tensor)");
 }
 TORCH_LIBRARY_IMPL(r3gw, CPU, library) { library.impl("rasterize", &without_gradient); }
 TORCH_LIBRARY_IMPL(r3gw, AutogradCPU, library) { library.impl("rasterize", &with_gradient); }

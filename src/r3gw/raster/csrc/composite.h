@@ -29,6 +29,7 @@ struct ImageGradient {
 // Gradients of the splats by original index; rows of visible Gaussians are added to.
 struct SplatGradient {
   float* means2d;    // [N,2]
+  float* pulls;      // [N,2] sums of the absolute values of what means2d sums, or null for none
   float* factors;    // [N,3]
   float* opacities;  // [N]
   float* features;   // [N,channels]

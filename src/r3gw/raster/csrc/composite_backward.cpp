@@ -8,6 +8,7 @@
 // per pixel instead of one per channel, and no division by the transmittance.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -23,9 +24,19 @@ constexpr std::int64_t kRanksPerPart = 2048, kImageRowsPerPart = 32;
 constexpr int kTilesTogether = 4;  // Taken by one thread: it fetches the next while it works.
 constexpr int kRanksAhead = 32;  // Gaussians whose gradient rows are fetched together.
 
-// Columns of a gradient row: moments of dL/dln(alpha) over the pixels, then feature gradients.
+// Columns of a gradient row: moments of dL/dln(alpha) over the pixels, where wanted the sums of what
+// pulls the mean in x and in y without its sign, then feature gradients.
 enum MomentColumn { kSum, kSumS, kSumT, kSumSS, kSumST, kSumTT, kMoments };
-static_assert(kMoments == static_cast<int>(kSplatHead));
+constexpr int kPullX = kMoments, kPullY = kPullX + 1, kPulls = 2;
+
+// What a kernel is compiled for: channels, how many of them get a gradient, and pulls or none.
+template <int ChannelCount, int ColumnCount, int PullCount>
+struct Shape {
+  static constexpr int kWidth = ChannelCount, kColumns = ColumnCount;
+  static constexpr int kSums = kMoments + PullCount, kAll = kSums + ColumnCount;
+  static constexpr bool kHasPulls = PullCount > 0;
+  static constexpr int kRow = row_stride(kWidth), kResult = padded(kAll);
+};
 
 template <int Width>
 struct BlockState {
@@ -83,11 +94,12 @@ void fetch_tile(const Frame& frame, const ChannelPass& pass, const ImageGradient
   }
 }
 
-// Moments and the first `Columns` feature gradients of one entry over the blocks of `mask`.
-template <int Width, int Columns>
+// A gradient row of one entry over the blocks of `mask`.
+template <typename Kernel>
 void entry_gradient(const float* row, std::uint32_t mask, const BlockCentres& centres,
-                    BlockState<Width>* blocks, float* result) {
-  Lanes moments[kMoments] = {}, columns[Columns > 0 ? Columns : 1] = {};
+                    BlockState<Kernel::kWidth>* blocks, float* result) {
+  constexpr int Width = Kernel::kWidth, kSums = Kernel::kSums;
+  Lanes moments[kSums] = {}, columns[Kernel::kColumns] = {};
   for (; mask != 0; mask &= mask - 1) {
     const int block = std::countr_zero(mask);
     BlockState<Width>& state = blocks[block];
@@ -109,26 +121,29 @@ void entry_gradient(const float* row, std::uint32_t mask, const BlockCentres& ce
     moments[kSumSS] = fma(gs, hit.s, moments[kSumSS]);
     moments[kSumST] = fma(gs, hit.t, moments[kSumST]);
     moments[kSumTT] = fma(gt, hit.t, moments[kSumTT]);
-    for (int c = 0; c < Columns; ++c) columns[c] = fma(hit.weight, state.gradient[c], columns[c]);
+    if constexpr (Kernel::kHasPulls) {
+      moments[kPullX] += magnitude(gs);
+      moments[kPullY] += magnitude(fma(splat(row[kFactorK]), gs, row[kFactorC] * gt));
+    }
+    for (int c = 0; c < Kernel::kColumns; ++c) columns[c] = fma(hit.weight, state.gradient[c], columns[c]);
   }
-  constexpr int kInFirst = std::min(kMoments + Columns, kLanes),
-                kRest = kMoments + Columns - kInFirst;
+  constexpr int kInFirst = std::min(Kernel::kAll, kLanes), kRest = Kernel::kAll - kInFirst;
   Lanes values[kLanes];
-  for (int i = 0; i < kInFirst; ++i) values[i] = i < kMoments ? moments[i] : columns[i - kMoments];
+  for (int i = 0; i < kInFirst; ++i) values[i] = i < kSums ? moments[i] : columns[i - kSums];
   store(result, lane_sums<kInFirst>(values));
   if constexpr (kRest > 0) {
-    for (int i = 0; i < kRest; ++i) values[i] = columns[kInFirst - kMoments + i];
+    for (int i = 0; i < kRest; ++i) values[i] = columns[kInFirst - kSums + i];
     store(result + kLanes, lane_sums<kRest>(values));
   }
 }
 
-template <int Width, int Columns>
+template <typename Kernel>
 void tile_gradient(Frame& frame, int tile, const ChannelPass& pass, const ImageGradient& image) {
-  constexpr int kRow = row_stride(Width), kResult = row_stride(Columns);
+  constexpr int kRow = Kernel::kRow, kResult = Kernel::kResult;
   const TileWindow window(frame, tile);
   const BlockCentres centres(window.left, window.top);
   if (tile + 1 < frame.tiles()) fetch_tile(frame, pass, image, TileWindow(frame, tile + 1));
-  BlockState<Width> blocks[kBlocks];
+  BlockState<Kernel::kWidth> blocks[kBlocks];
   const std::uint32_t wanted = load_tile(frame, pass, image, window, blocks);
   const std::int64_t begin = frame.first_entry[tile];
   const std::uint32_t used = frame.used_entries[tile];
@@ -139,8 +154,7 @@ void tile_gradient(Frame& frame, int tile, const ChannelPass& pass, const ImageG
     __builtin_prefetch(frame.rows.data() + static_cast<std::size_t>(ahead) * kRow);
     const float* row =
         frame.rows.data() + static_cast<std::size_t>(frame.entry_rank[begin + entry]) * kRow;
-    entry_gradient<Width, Columns>(row, frame.entry_mask[begin + entry] & wanted, centres, blocks,
-                                   result);
+    entry_gradient<Kernel>(row, frame.entry_mask[begin + entry] & wanted, centres, blocks, result);
   }
 }
 
@@ -193,10 +207,17 @@ void add_splat_gradient(const float* row, const float* sum, std::int64_t i, cons
   result.opacities[i] += sum[kSum] / opacities[i];
 }
 
-template <int Width, int Columns>
+// Sums over pixels of the absolute values of what add_splat_gradient() adds to the mean.
+void add_pulls(const float* row, const float* sum, std::int64_t i, float* pulls) {
+  constexpr float kTwoLn2 = 2.0f * kLn2;
+  pulls[2 * i] += kTwoLn2 * std::abs(row[kFactorA]) * sum[kPullX];
+  pulls[2 * i + 1] += kTwoLn2 * sum[kPullY];
+}
+
+template <typename Kernel>
 void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGradient& image,
               const float* opacities, const SplatGradient& result) {
-  constexpr int kRow = row_stride(Width), kResult = row_stride(Columns);
+  constexpr int kRow = Kernel::kRow, kResult = Kernel::kResult;
   frame.first_gradient.resize(frame.tiles() + 1);
   frame.first_gradient[0] = 0;
   for (int tile = 0; tile < frame.tiles(); ++tile) {
@@ -204,7 +225,7 @@ void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGra
   }
   frame.gradient_rows.resize(frame.first_gradient[frame.tiles()] * kResult);
   parallel_items(frame.tiles(), kTilesTogether,
-                 [&](int tile) { tile_gradient<Width, Columns>(frame, tile, pass, image); });
+                 [&](int tile) { tile_gradient<Kernel>(frame, tile, pass, image); });
   parallel_parts(
       frame.visible, parts_for(frame.visible, kRanksPerPart), [&](auto begin, auto end, int) {
         std::vector<const float*> rows;
@@ -222,38 +243,49 @@ void gradient(Frame& frame, const ChannelPass& pass, int columns, const ImageGra
             const std::size_t start = ends[rank - first];
             sum_rows<kResult>(rows.data() + start, ends[rank - first + 1] - start, sum);
             const std::int64_t i = frame.order[rank].index;
-            add_splat_gradient(frame.rows.data() + rank * kRow, sum, i, opacities, result);
+            const float* row = frame.rows.data() + rank * kRow;
+            add_splat_gradient(row, sum, i, opacities, result);
+            if constexpr (Kernel::kHasPulls) add_pulls(row, sum, i, result.pulls);
             float* target = result.features + i * pass.channels + pass.first;
             for (int column = 0; column < columns; ++column) {
-              target[column] = sum[kMoments + column];
+              target[column] = sum[Kernel::kSums + column];
             }
           }
         }
       });
 }
 
+template <int Pulls>
+void gradient_of_width(Frame& frame, const ChannelPass& pass, const ImageGradient& image,
+                       const float* opacities, const SplatGradient& result) {
+  const int columns = std::clamp(result.columns - pass.first, 0, pass.used);
+  const auto run = [&](auto kernel) {
+    gradient<decltype(kernel)>(frame, pass, columns, image, opacities, result);
+  };
+  switch (pass.width) {
+    case 1:
+      return run(Shape<1, 1, Pulls>());
+    case 3:
+      return run(Shape<3, 3, Pulls>());
+    case 4:
+      return run(Shape<4, 4, Pulls>());
+    case 8:
+      return run(Shape<8, 8, Pulls>());
+    case 9:
+      return columns <= 7 ? run(Shape<9, 7, Pulls>()) : run(Shape<9, 9, Pulls>());
+    case 16:
+      return run(Shape<16, 16, Pulls>());
+    default:
+      throw std::invalid_argument("no kernel of this width");
+  }
+}
+
 }  // namespace
 
 void composite_backward(Frame& frame, const ChannelPass& pass, const ImageGradient& image,
                         const float* opacities, const SplatGradient& result) {
-  const int columns = std::clamp(result.columns - pass.first, 0, pass.used);
-  const auto run = [&](auto kernel) { kernel(frame, pass, columns, image, opacities, result); };
-  switch (pass.width) {
-    case 1:
-      return run(gradient<1, 1>);
-    case 3:
-      return run(gradient<3, 3>);
-    case 4:
-      return run(gradient<4, 4>);
-    case 8:
-      return run(gradient<8, 8>);
-    case 9:
-      return columns <= 7 ? run(gradient<9, 7>) : run(gradient<9, 9>);
-    case 16:
-      return run(gradient<16, 16>);
-    default:
-      throw std::invalid_argument("no kernel of this width");
-  }
+  const auto run = result.pulls != nullptr ? gradient_of_width<kPulls> : gradient_of_width<0>;
+  run(frame, pass, image, opacities, result);
 }
 
 // Row sums first, then the sum of the rows: an order that no number of threads changes.

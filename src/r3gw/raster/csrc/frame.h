@@ -18,8 +18,9 @@ constexpr int kMaxChannels = 16;  // Per pass; more channels take several passes
 // Head of a splat row; the feature channels follow.
 enum SplatColumn { kMeanX, kMeanY, kFactorA, kFactorK, kFactorC, kSplatLog2Opacity, kSplatHead };
 
-// Floats per splat row and per gradient row with `width` channels: whole cache lines.
-constexpr int row_stride(int width) { return (kSplatHead + width + kLanes - 1) / kLanes * kLanes; }
+// Floats per row with a head and so many channels: whole cache lines.
+constexpr int padded(int columns) { return (columns + kLanes - 1) / kLanes * kLanes; }
+constexpr int row_stride(int width) { return padded(kSplatHead + width); }
 
 // Tiles [left, right) x [top, bottom).
 struct TileRect {

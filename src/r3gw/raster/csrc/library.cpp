@@ -3,6 +3,7 @@
 
 #include <ATen/ops/empty.h>
 #include <ATen/ops/empty_like.h>
+#include <ATen/ops/zeros.h>
 #include <ATen/ops/zeros_like.h>
 #include <Python.h>
 #include <torch/library.h>
@@ -111,19 +112,21 @@ std::tuple<Tensor, Tensor, c10::intrusive_ptr<FrameHandle>> composite_op(
   return {image, alpha, handle};
 }
 
-std::tuple<Tensor, Tensor, Tensor, Tensor> composite_backward_op(
+std::tuple<Tensor, Tensor, Tensor, Tensor, Tensor> composite_backward_op(
     const c10::intrusive_ptr<FrameHandle>& handle, const Tensor& grad_image,
     const std::optional<Tensor>& grad_alpha, const Tensor& image, const Tensor& alpha,
     const Tensor& means2d, const Tensor& factors, const Tensor& screen, const Tensor& opacities,
-    const Tensor& features, std::int64_t feature_columns) {
+    const Tensor& features, std::int64_t feature_columns, bool with_pulls) {
   Frame& frame = *handle->frame;
   const Projected projected = projected_from(means2d, factors, screen, features);
   Tensor grad_means2d = at::zeros_like(means2d), grad_factors = at::zeros_like(factors);
+  Tensor pulls = at::zeros({with_pulls ? means2d.size(0) : 0, 2}, means2d.options());
   Tensor grad_opacities = at::zeros_like(opacities);
   Tensor grad_features = at::zeros_like(features);
-  const SplatGradient result{grad_means2d.data_ptr<float>(), grad_factors.data_ptr<float>(),
-                             grad_opacities.data_ptr<float>(), grad_features.data_ptr<float>(),
-                             static_cast<int>(feature_columns)};
+  const SplatGradient result{
+      grad_means2d.data_ptr<float>(),  with_pulls ? pulls.data_ptr<float>() : nullptr,
+      grad_factors.data_ptr<float>(),  grad_opacities.data_ptr<float>(),
+      grad_features.data_ptr<float>(), static_cast<int>(feature_columns)};
   for (int first = 0; first < projected.channels; first += kMaxChannels) {
     const ChannelPass pass = pass_from(projected.channels, first);
     if (projected.channels > kMaxChannels) {
@@ -136,7 +139,7 @@ std::tuple<Tensor, Tensor, Tensor, Tensor> composite_backward_op(
                         image.const_data_ptr<float>(), alpha.const_data_ptr<float>()},
                        opacities.const_data_ptr<float>(), result);
   }
-  return {grad_means2d, grad_factors, grad_opacities, grad_features};
+  return {grad_means2d, grad_factors, grad_opacities, grad_features, pulls};
 }
 
 Tensor background_gradient_op(const Tensor& grad_image, const Tensor& alpha) {
@@ -166,8 +169,9 @@ TORCH_LIBRARY_FRAGMENT(r3gw, library) {
   library.def(
       "composite_backward(__torch__.torch.classes.r3gw.Frame frame, Tensor grad_image, "
       "Tensor? grad_alpha, Tensor image, Tensor alpha, Tensor means2d, Tensor factors, "
-      "Tensor screen, Tensor opacities, Tensor features, int feature_columns) -> "
-      "(Tensor, Tensor, Tensor, Tensor)");
+      "Tensor screen, Tensor opacities, Tensor features, int feature_columns, "
+      "bool with_pulls) -> "
+      "(Tensor, Tensor, Tensor, Tensor, Tensor)");
 }
 TORCH_LIBRARY_IMPL(r3gw, CPU, library) {
   library.impl("project", &project_op);

@@ -35,12 +35,14 @@ std::tuple<at::Tensor, at::Tensor, c10::intrusive_ptr<FrameHandle>> composite_op
     const at::Tensor& radii, const at::Tensor& features,
     const std::optional<at::Tensor>& background, std::int64_t width, std::int64_t height);
 
-// Gradients of means2d, factors, opacities and the first so many columns of the features.
-std::tuple<at::Tensor, at::Tensor, at::Tensor, at::Tensor> composite_backward_op(
+// Gradients of means2d, factors, opacities and the first so many columns of the features; if
+// wanted, the pulls on means2d [N,2]: its gradient, but pixels add up without their signs.
+std::tuple<at::Tensor, at::Tensor, at::Tensor, at::Tensor, at::Tensor> composite_backward_op(
     const c10::intrusive_ptr<FrameHandle>& handle, const at::Tensor& grad_image,
     const std::optional<at::Tensor>& grad_alpha, const at::Tensor& image, const at::Tensor& alpha,
     const at::Tensor& means2d, const at::Tensor& factors, const at::Tensor& screen,
-    const at::Tensor& opacities, const at::Tensor& features, std::int64_t feature_columns);
+    const at::Tensor& opacities, const at::Tensor& features, std::int64_t feature_columns,
+    bool with_pulls);
 
 at::Tensor background_gradient_op(const at::Tensor& grad_image, const at::Tensor& alpha);
 

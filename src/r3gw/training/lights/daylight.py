@@ -16,6 +16,7 @@ from r3gw.model.appearance import PhotoLight
 from r3gw.model.light_models.base import DaySky, LightModel
 from r3gw.model.light_models.daylight import Daylight
 from r3gw.training.first_values import first_radiance
+from r3gw.training.known_suns import Suns, turned, yaw_by_skies
 from r3gw.training.lights.base import NamedLoss, Seen, SunTraining
 from r3gw.training.photos import Photo
 from r3gw.training.settings import OutdoorSettings, TrainSettings
@@ -27,8 +28,15 @@ from r3gw.training.visible_sky import VisibleSky, cover_of
 COVERED_MEAN = 2.0
 
 
-def first_daylight(settings: TrainSettings, seen: Seen) -> Daylight:
-    """Skies as the photos show them, per embedding; suns where clear skies say, else overhead."""
+def first_daylight(settings: TrainSettings, seen: Seen, suns: Suns = ()) -> Daylight:
+    """Skies as the photos show them, per embedding; suns where clear skies say, else overhead.
+
+    Args:
+        settings: The settings of the run.
+        seen: For each embedding, the skies that its photos show.
+        suns: For each embedding, its sun if that is known; with the yaw that clear skies say it
+            comes before the sun of its own sky.
+    """
     outdoor, degree = settings.outdoor, settings.model.light_degree
     light = Daylight(
         len(seen),
@@ -40,15 +48,25 @@ def first_daylight(settings: TrainSettings, seen: Seen) -> Daylight:
     )
     light.sky_colours[:, PARTS.index("covered")] = first_radiance(settings) / COVERED_MEAN
     with torch.no_grad():
+        known = _known(suns, seen) if settings.daylight.suns == "known" else [None] * len(seen)
         for row, photos in enumerate(seen):
-            if not photos:
-                continue
-            sun = sun_from_sky(photos)
-            light.sky_colours[row] = _colours(photos, sun)
+            sun = known[row]
+            if sun is None and photos:
+                sun = sun_from_sky(photos)
+            if photos:
+                light.sky_colours[row] = _colours(photos, sun)
             if sun is not None:
                 light.sun_directions[row] = sun
                 light.sky_suns[row] = sun
     return light
+
+
+def _known(suns: Suns, seen: Seen) -> Suns:
+    """Suns in the world, where time tells them and clear skies tell how the scene lies to north."""
+    yaw_deg = yaw_by_skies(suns, seen)
+    if yaw_deg is None:
+        return [None] * len(seen)
+    return [None if sun is None else turned(sun[None], yaw_deg)[0] for sun in suns]
 
 
 class DaylightTraining(SunTraining):

@@ -8,6 +8,7 @@ from r3gw.model.light_models.daylight import Daylight
 from r3gw.model.light_models.fixed import FixedLight
 from r3gw.model.light_models.free import FreeLight
 from r3gw.model.light_models.outdoor import OutdoorLight
+from r3gw.training.known_suns import Suns
 from r3gw.training.lights.base import LightTraining, Seen
 from r3gw.training.lights.daylight import DaylightTraining, first_daylight
 from r3gw.training.lights.free import FreeTraining, first_free
@@ -23,15 +24,16 @@ TRAININGS: Mapping[type[LightModel], LightTraining] = {
 }
 
 
-def first_light(settings: TrainSettings, seen: Seen) -> LightModel:
+def first_light(settings: TrainSettings, seen: Seen, suns: Suns = ()) -> LightModel:
     """The light model that the settings ask for, before training.
 
     Args:
         settings: The settings of the run.
         seen: For each embedding, the skies that its photos show.
+        suns: For each embedding, its sun if that is known (r3gw.training.known_suns).
     """
     if settings.daylight.enabled:
-        return first_daylight(settings, seen)
+        return first_daylight(settings, seen, suns)
     if settings.outdoor.enabled:
         return first_outdoor(settings, seen)
     return first_free(settings)

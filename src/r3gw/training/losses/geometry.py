@@ -1,7 +1,7 @@
 """Normal consistency (Eq. 13) and flatness (Eq. 14) of the foreground."""
 
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int8
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera, pixel_rays
@@ -32,6 +32,23 @@ def normal_loss(
     """Mean of ``1 - N_rendered . N_depth`` over foreground pixels; 0 if there are none."""
     mismatch = 1 - (rendered * from_depth).sum(-1)
     return torch.where(is_foreground, mismatch, 0.0).sum() / is_foreground.sum().clamp_min(1)
+
+
+def given_normal_loss(
+    rendered: Float[Tensor, "h w 3"],
+    given: Int8[Tensor, "h w 3"],
+    is_foreground: Bool[Tensor, "h w"],
+) -> Float[Tensor, ""]:
+    """Mean of ``1 - N_rendered . N_given`` over foreground pixels with a normal; 0 without any.
+
+    Args:
+        rendered: Composited normals, world axes, not normalised.
+        given: Unit normals times 127, world axes; 0 where there is none.
+        is_foreground: True where surfaces are seen.
+    """
+    is_given = (given != 0).any(dim=-1) & is_foreground
+    mismatch = 1 - (rendered * given.to(rendered)).sum(-1) / 127
+    return torch.where(is_given, mismatch, 0.0).sum() / is_given.sum().clamp_min(1)
 
 
 def flatness_loss(
