@@ -23,9 +23,7 @@ from r3gw.files import write_json
 @click.option(
     "--defaults",
     type=FOLDER,
-    default=Path("config"),
-    show_default=True,
-    help="Folder of train.yaml and variants.yaml.",
+    help="Folder of train.yaml and variants.yaml; default: config here, or that of the clone.",
 )
 @click.option(
     "--target",
@@ -34,14 +32,18 @@ from r3gw.files import write_json
     show_default=True,
     help="Folder of the page.",
 )
-def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
+def doctor(config: Path, results: Path, defaults: Path | None, target: Path) -> None:
     """Say on one page what a run will find, need and fail on, before it begins.
 
     Looks at the sources of all scenes and at what is already imported. Prints the page, writes it
     as TARGET/doctor.md, and exits with status 1 if anything would fail.
     """
     from r3gw.pipeline.doctor.doctor import examine
+    from r3gw.pipeline.photos_run import repository
 
+    if defaults is None:
+        here = Path("config")
+        defaults = here if (here / "train.yaml").is_file() else repository() / "config"
     diagnosis = examine(config, results, target, defaults=defaults)
     click.echo(diagnosis.text)
     _stop_at(diagnosis.problems)

@@ -6,6 +6,7 @@ import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
 from r3gw.cli.told import OPEN_PAGE, wrote
+from r3gw.files import InputError
 
 PATH = click.Path(path_type=Path)
 SCENE = click.option(
@@ -45,6 +46,8 @@ def page(
     from r3gw.view.payload import PageOptions
     from r3gw.view.runs import find_run
 
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{target}: browsers know a page by its name; let it end in .html")
     found = find_run(run, scene)
     options = PageOptions(None, most_gaussians, most_pictures, found.facts)
     write_page(found.model, found.scene, target, options)
