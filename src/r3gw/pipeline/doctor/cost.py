@@ -33,15 +33,14 @@ class Measured:
     bytes_per_photo_pixel: int = 5
 
 
-# Chapel, 240 x 180 px, one core, two trainings at a time: 22.2 s for 1,000 iterations from 11,000
-# to 25,000 Gaussians, so 20.4 ms at 15,000. How time divides: benchmarks/scaling.py and
-# training_step.py. Memory: training_memory.py.
+# Fitted to the processor's time of three trainings (tests/pipeline/doctor/test_cost.py): 2 ms an
+# iteration, 80 ms a million pixels, 0.42 ms a thousand Gaussians. Memory: training_memory.py.
 MEASURED = Measured(
-    ms_per_iteration=20.4,
+    ms_per_iteration=11.8,
     gaussians=15_000,
     pixels=240 * 180,
-    fixed_share=0.25,
-    pixel_share=0.30,
+    fixed_share=0.17,
+    pixel_share=0.29,
     base_mb=440.0,
     kb_per_gaussian=1.0,
     kb_per_pixel=0.15,
@@ -61,9 +60,9 @@ class MeasuredShadows:
     kb_per_gaussian: float
 
 
-# Chapel, 25,000 Gaussians: 58 s against 25 s of `full` (docs/studies.md), shadows cast 7 times in
-# 64 directions. Memory: training_memory.py.
-SHADOWS = MeasuredShadows(us_per_ray=3.7, kb_per_gaussian=0.6)
+# Chapel, 25,000 Gaussians: 30 s against 13.5 s of `full` (docs/performance.md), shadows cast 7
+# times in 64 directions. Memory: training_memory.py.
+SHADOWS = MeasuredShadows(us_per_ray=2.0, kb_per_gaussian=0.6)
 
 
 @dataclass(frozen=True)
