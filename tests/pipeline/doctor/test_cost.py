@@ -58,9 +58,7 @@ TRAININGS = [
 
 
 @pytest.mark.parametrize(("size_px", "first", "last", "iterations", "measured_s"), TRAININGS)
-def test_predicted_time_is_that_of_measured_trainings(
-    size_px, first, last, iterations, measured_s
-):
+def test_predicted_time_is_that_of_measured_trainings(size_px, first, last, iterations, measured_s):
     pixels = size_px[0] * size_px[1]
     size = SceneSize(foreground=first, sky=0, photos=20, photo_pixels=20 * pixels)
     settings = train_settings(iterations=iterations, density={"max_gaussians": last})

@@ -60,8 +60,8 @@ class MeasuredShadows:
     kb_per_gaussian: float
 
 
-# Chapel, 25,000 Gaussians: 30 s against 13.5 s of `full` (docs/performance.md), shadows cast 7 times
-# in 64 directions. Memory: training_memory.py.
+# Chapel, 25,000 Gaussians: 30 s against 13.5 s of `full` (docs/performance.md), shadows cast 7
+# times in 64 directions. Memory: training_memory.py.
 SHADOWS = MeasuredShadows(us_per_ray=2.0, kb_per_gaussian=0.6)
 
 
