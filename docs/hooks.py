@@ -10,6 +10,7 @@ OUTSIDE = {
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
     "config/README.md": "configuration.md",
+    "integrations/nerfbaselines/README.md": "nerfbaselines.md",
 }
 ORIGINS = {site: origin for origin, site in OUTSIDE.items()}
 LINK = re.compile(r"\]\((?![a-z]+:|#)([^)#\s]+)")

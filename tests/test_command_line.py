@@ -80,6 +80,8 @@ def test_the_overview_has_an_example_of_every_command_that_its_options_take():
         assert first == name
         cli.commands[name].make_context(name, arguments)  # raises where an option is wrong
         assert f"r3gw {name}" in shown.output
+    listed = shown.output.partition("Options:")[2]
+    assert "..." not in listed  # nothing is too long for a terminal of 80 columns
 
 
 @pytest.mark.parametrize(

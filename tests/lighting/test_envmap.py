@@ -146,7 +146,7 @@ def test_map_errors_name_file_and_remedy(tmp_path):
     write_image(tmp_path / "square.png", np.zeros((8, 8, 3), np.uint8))
     with pytest.raises(InputError, match=r"square\.png.*twice as wide.*8x8"):
         envmap.read_env_map(tmp_path / "square.png")
-    with pytest.raises(InputError, match=r"missing\.exr: no such picture"):
+    with pytest.raises(InputError, match=r"missing\.exr: no such environment map"):
         envmap.read_env_map(tmp_path / "missing.exr")
     with pytest.raises(InputError, match=r"map\.txt: environment maps are \.exr"):
         envmap.read_env_map(tmp_path / "map.txt")

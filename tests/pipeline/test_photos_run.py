@@ -1,5 +1,7 @@
 """r3gw photos: settings of its own, the workflow underneath, and what to look at in the end."""
 
+import os
+import signal
 import subprocess
 import sys
 
@@ -73,16 +75,40 @@ def test_what_there_is_to_look_at_exists_and_is_three_lights(folder, tmp_path):
 def test_a_workflow_that_stops_says_how_to_go_on(folder, tmp_path, monkeypatch):
     path = prepared(folder, tmp_path)
     calls = []
-
-    def stopped(command, **_):
-        calls.append(command)
-        return subprocess.CompletedProcess(command, 1)
-
-    monkeypatch.setattr(photos_run.subprocess, "run", stopped)
+    monkeypatch.setattr(photos_run, "exit_status", lambda command: calls.append(command) or 1)
     with pytest.raises(InputError, match="the same command goes on from there"):
         run_workflow(path, 3, ["--keep-going"])
     assert calls[0][0] == sys.executable
     assert calls[0][-4:] == ["--cores", "3", "--keep-going", "all"]
+
+
+TIDY = """
+import signal, sys, time
+def tidy_up(*_):
+    time.sleep(0.8)
+    print("tidy", flush=True)
+    sys.exit(7)
+signal.signal(signal.SIGINT, tidy_up)
+print("begun", flush=True)
+time.sleep(60)
+"""
+RUN = f"""
+import sys
+from r3gw.pipeline.photos_run import exit_status
+print("status", exit_status([sys.executable, "-c", {TIDY!r}]), flush=True)
+"""
+
+
+@pytest.mark.slow
+def test_an_interrupted_workflow_may_end_its_jobs():
+    """Both processes get the signal, as from a terminal; it takes longer than Python would wait."""
+    command = [sys.executable, "-c", RUN]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, text=True, start_new_session=True
+    ) as running:
+        assert running.stdout.readline() == "begun\n"
+        os.killpg(running.pid, signal.SIGINT)
+        assert running.stdout.read().splitlines() == ["tidy", "status 7"]
 
 
 @pytest.mark.slow

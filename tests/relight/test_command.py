@@ -1,16 +1,19 @@
 """``python -m r3gw relight`` and ``export``: options reach the pictures, mistakes are one line."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from r3gw.__main__ import cli
+from r3gw.files import InputError
 from r3gw.imaging.files import read_rgb
 
 
-def run(tiny, command: str, *options: str):
+def run(tiny, command: str, *options: str, catch: bool = True):
     shared = ("--model", str(tiny.model_path), "--scene", str(tiny.folder))
-    return CliRunner().invoke(cli, [command, *shared, *options])
+    return CliRunner().invoke(cli, [command, *shared, *options], catch_exceptions=catch)
 
 
 def test_a_moving_sun_from_the_command_line(tiny, tmp_path):
@@ -52,6 +55,48 @@ def test_a_view_that_is_mostly_guessed_is_told_and_darkened(tiny, tmp_path):
         )
         pictures.append(read_rgb(out).astype(int))
     assert pictures[1].mean() < 0.8 * pictures[0].mean()
+
+
+@pytest.mark.parametrize(
+    ("command", "options", "target", "said"),
+    [
+        ("relight", ("--view", "a_0"), "a/b.png", "a/b.png"),
+        ("relight", ("--view", "a_0", "--frames", "3"), "%02d.png", "00.png to 02.png"),
+        (
+            "relight",
+            ("--view", "a_0", "--frames", "3", "--fps", "2"),
+            "day.mp4",
+            "day.mp4 (3 frames, 1.5 s)",
+        ),
+        (
+            "export",
+            (),
+            "out",
+            "out: viewers of Gaussian splats open baked.ply, others baked.glb",
+        ),
+        ("export", (), "p.html", "p.html: open it in a browser; it needs no network"),
+    ],
+)
+def test_what_was_written_is_told(
+    tiny, tmp_path, caplog, monkeypatch, command, options, target, said
+):
+    """In one line, with the path as it was given."""
+    monkeypatch.chdir(tmp_path)
+    caplog.set_level("INFO", "r3gw")
+    option = "--output" if command == "relight" else "--target"
+    assert run(tiny, command, *options, "--light-of", "a_0", option, target).exit_code == 0
+    assert caplog.messages == [f"wrote {said}"]
+    assert {path.name for path in tmp_path.rglob("*")} >= {Path(target).name} - {"%02d.png"}
+
+
+@pytest.mark.parametrize("command", ["relight", "export"])
+def test_a_missing_map_is_told_before_the_model_is_read(tiny, tmp_path, monkeypatch, command):
+    for module in ("film", "trained"):
+        monkeypatch.setattr(f"r3gw.relight.{module}.load_relightable", None)
+    given = ("--view", "a_0", "--output") if command == "relight" else ("--target",)
+    options = ("--env-map", "sunset.hdr", *given, str(tmp_path / "o.png"))
+    with pytest.raises(InputError, match=r"^sunset\.hdr: no such environment map; check the name"):
+        run(tiny, command, *options, catch=False)
 
 
 @pytest.mark.parametrize(

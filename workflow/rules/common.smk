@@ -5,7 +5,7 @@ import re
 import shlex
 import sys
 import time
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from subprocess import CalledProcessError
 
@@ -17,6 +17,7 @@ from r3gw.pipeline.code import StageCode
 from r3gw.pipeline.config import load_config, run_settings
 from r3gw.pipeline.doctor.training import predicted, read_size
 from r3gw.pipeline.lock import claim
+from r3gw.pipeline.progress import tell_progress
 from r3gw.pipeline.slurm import failed_jobs
 from r3gw.pipeline.source_state import source_state
 from snakemake.exceptions import WorkflowError
@@ -154,6 +155,13 @@ def refuse_broken_sources():
         raise WorkflowError(
             "The doctor refuses the sources named above; no job was started."
         )
+
+
+def show_progress():
+    """Say now and then how far the running stages are, unless --quiet asks for less."""
+    if not workflow.output_settings.quiet:
+        say = partial(print, file=sys.stderr, flush=True)
+        tell_progress(Path.cwd() / "logs", say)
 
 
 STARTED_S = time.time()

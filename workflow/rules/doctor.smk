@@ -6,6 +6,7 @@
 
 onstart:
     refuse_broken_sources()
+    show_progress()
 
 
 onsuccess:

@@ -7,10 +7,11 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, cli, json_object
+from r3gw.cli.told import wrote
 from r3gw.files import write_json
 
 
-@cli.command()
+@cli.command(short_help="Say what a run will find, need and fail on.")
 @click.option("--config", type=FILE, required=True, help="Configuration of the run.")
 @click.option(
     "--results",
@@ -22,9 +23,7 @@ from r3gw.files import write_json
 @click.option(
     "--defaults",
     type=FOLDER,
-    default=Path("config"),
-    show_default=True,
-    help="Folder of train.yaml and variants.yaml.",
+    help="Folder of train.yaml and variants.yaml; default: config here, or that of the clone.",
 )
 @click.option(
     "--target",
@@ -33,20 +32,25 @@ from r3gw.files import write_json
     show_default=True,
     help="Folder of the page.",
 )
-def doctor(config: Path, results: Path, defaults: Path, target: Path) -> None:
+def doctor(config: Path, results: Path, defaults: Path | None, target: Path) -> None:
     """Say on one page what a run will find, need and fail on, before it begins.
 
     Looks at the sources of all scenes and at what is already imported. Prints the page, writes it
     as TARGET/doctor.md, and exits with status 1 if anything would fail.
     """
     from r3gw.pipeline.doctor.doctor import examine
+    from r3gw.pipeline.photos_run import repository
 
+    if defaults is None:
+        here = Path("config")
+        defaults = here if (here / "train.yaml").is_file() else repository() / "config"
     diagnosis = examine(config, results, target, defaults=defaults)
     click.echo(diagnosis.text)
     _stop_at(diagnosis.problems)
+    wrote(target / "doctor.md", "the same page, with pictures of what is imported")
 
 
-@cli.command("doctor-sources")
+@cli.command("doctor-sources", short_help="Refuse scenes whose source would fail to import.")
 @click.option("--entries", required=True, help="Config entries by scene name, as JSON.")
 def doctor_sources(entries: str) -> None:
     """Refuse scenes whose source would fail to import; looks at names and lists only."""
@@ -60,7 +64,7 @@ def doctor_sources(entries: str) -> None:
     _stop_at([problem for findings in found for problem in findings.problems])
 
 
-@cli.command("doctor-scene")
+@cli.command("doctor-scene", short_help="Refuse a scene whose training would fail.")
 @click.option("--scene", required=True, help="Name of the scene.")
 @click.option("--results", type=FOLDER, required=True, help="Folder of all scenes' results.")
 @click.option("--target", type=FILE, required=True, help="JSON file to write if all is well.")
@@ -76,7 +80,7 @@ def doctor_scene(scene: str, results: Path, target: Path) -> None:
     write_json(target, findings.as_json() | {"size": size.model_dump()})
 
 
-@cli.command("doctor-run")
+@cli.command("doctor-run", short_help="Refuse a training that does not fit into memory.")
 @click.option("--name", required=True, help="The run as messages call it: scene/variant/seed.")
 @click.option("--checked", type=FILE, required=True, help="What doctor-scene wrote of its scene.")
 @click.option("--settings", type=FILE, required=True, help="Resolved settings (JSON).")
@@ -99,7 +103,7 @@ def _stop_at(problems: Sequence[str]) -> None:
         sys.exit(1)
 
 
-@cli.command("mask-sheet")
+@cli.command("mask-sheet", short_help="Draw all photos of a scene with their masks tinted.")
 @click.option("--name", required=True, help="Scene name, the beginning of the file's name.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--masks", type=FOLDER, required=True, help="Folder of its masks.")
@@ -109,3 +113,4 @@ def sheet(name: str, scene: Path, masks: Path, target: Path) -> None:
     from r3gw.reporting.figures.mask_sheet import mask_sheet
 
     mask_sheet(name, scene, masks, target)
+    wrote(target / f"{name}_masks.png")

@@ -5,11 +5,12 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, THREADS, cli, json_object
+from r3gw.cli.told import wrote
 
 SOURCE = click.Path(path_type=Path)
 
 
-@cli.command()
+@cli.command(short_help="Render a scene of the embedded benchmark.")
 @click.option("--settings", required=True, help="What to render, as JSON (config/README.md).")
 @click.option("--target", type=FOLDER, required=True, help="Folder to write.")
 @click.option(
@@ -36,9 +37,10 @@ def generate(settings: str, target: Path, processes: int) -> None:
         point_candidates=scene.points,
         num_processes=processes,
     )
+    wrote(target, "photos, masks, cameras and ground truth")
 
 
-@cli.command("import")
+@cli.command("import", short_help="Import a dataset, or find the cameras of photos.")
 @click.option("--scene", required=True, help="Name of the scene.")
 @click.option(
     "--entry", required=True, help="Keys of the scene's config entry about its source, as JSON."
@@ -59,6 +61,7 @@ def import_scene(scene: str, entry: str, source: Path, target: Path, threads: in
 
     settings = parse_scene(json_object(entry, "--entry"), f"scene '{scene}'")
     run(scene, settings, source, target, num_threads=threads)
+    wrote(target / "scene.json", "cameras; photos and points lie beside it")
 
 
 @cli.command()
@@ -74,9 +77,10 @@ def masks(scene: Path, target: Path, sources: str) -> None:
     make_masks(
         scene, target, validated(MaskSources, json_object(sources, "--sources"), "--sources")
     )
+    wrote(target / "masks.json", "look at the masks by `r3gw mask-sheet`")
 
 
-@cli.command()
+@cli.command(short_help="Place the first points of foreground and sky.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--sky", required=True, help="Settings of the sky's initial points as JSON.")
 @click.option(
@@ -91,3 +95,4 @@ def initialise(scene: Path, sky: str, masked: Path | None, target: Path) -> None
 
     settings = validated(SkySettings, json_object(sky, "--sky"), "--sky")
     run_initialise(scene, settings, target, masked)
+    wrote(target)

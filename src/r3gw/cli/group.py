@@ -26,12 +26,13 @@ THREADS = click.option("--threads", type=click.IntRange(1), default=1, help="CPU
 def cli(level: int | None) -> None:
     """Relightable 3D Gaussians for outdoor scenes in the wild.
 
-    `snakemake --cores 2 all` runs the stages in order. `r3gw COMMAND --help` says more of each.
+    `r3gw photos FOLDER` makes a scene of your photos; `make all`, in a clone, the embedded scenes.
+    `r3gw COMMAND --help` says more of each command.
 
     \b
     Exit status:
       0  done
-      1  the doctor found problems, or a fault of r3gw itself (with a traceback)
+      1  the doctor found problems; Ctrl-C; or a fault of r3gw itself (with a traceback)
       2  a file, an option or a value will not do (in one sentence)
     """
     # Libraries only warn: fontTools alone writes hundreds of INFO lines per figure.

@@ -7,10 +7,10 @@ EXAMPLES = {
         "photos": "photos holiday/montmartre --target montmartre",
     },
     "See and use a trained scene": {
-        "relight": "relight --model M --scene S --view A --sun 45 150 --output noon.png",
+        "relight": "relight --model R --view A --sun 45 150 --output noon.png",
         "view": "view results/mine/r3gw_plus/seed0",
         "page": "page results/mine/r3gw_plus/seed0 --target mine.html",
-        "export": "export --model M --scene S --light-of A --target exported",
+        "export": "export --model R --light-of A --target exported",
     },
     "Check and compare": {
         "doctor": "doctor --config config/photos.yaml",

@@ -7,7 +7,10 @@ import click
 from r3gw.cli.group import FOLDER, cli
 
 
-@cli.command(context_settings={"ignore_unknown_options": True})
+@cli.command(
+    context_settings={"ignore_unknown_options": True},
+    short_help="Make a relightable scene of a folder of photos or a video.",
+)
 @click.argument("photos", type=click.Path(path_type=Path))
 @click.argument("options", nargs=-1, type=click.UNPROCESSED, metavar="[SNAKEMAKE OPTIONS]")
 @click.option(

@@ -5,9 +5,10 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
+from r3gw.cli.told import OPEN_PAGE, wrote
 
 
-@cli.command()
+@cli.command(short_help="Make tables from the scores of any number of runs.")
 @click.option("--kind", type=click.Choice(["table1", "ablations"]), required=True)
 @click.option("--published", type=FILE, help="Published figures to show beside ours.")
 @click.option("--target", type=FOLDER, required=True, help="Folder of the tables.")
@@ -20,9 +21,10 @@ def tables(kind: str, published: Path | None, target: Path, metrics: tuple[Path,
         write_main_tables(metrics, published, target)
     else:
         write_ablation_tables(metrics, target)
+    wrote(target / f"{kind}.csv", "docs/results.md explains the columns")
 
 
-@cli.command()
+@cli.command(short_help="Compare variants with a baseline.")
 @click.option("--baseline", required=True, help="Variant that the others are compared with.")
 @click.option("--target", type=FILE, required=True, help="The table (.csv); .md comes beside it.")
 @click.option("--runs", type=FILE, required=True, help="Table with one row per run (.csv).")
@@ -36,9 +38,10 @@ def study(baseline: str, target: Path, runs: Path, figure: Path, metrics: tuple[
     from r3gw.reporting.figures.stage import write_study
 
     write_study(metrics, baseline, target, runs, figure)
+    wrote([target, runs, figure])
 
 
-@cli.command()
+@cli.command(short_help="Draw the figures of a scene from its scored runs.")
 @click.option("--name", required=True, help="Scene name, the beginning of the files' names.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
@@ -49,9 +52,10 @@ def figures(name: str, scene: Path, masks: Path, target: Path, runs: tuple[Path,
     from r3gw.reporting.figures.stage import scene_figures
 
     scene_figures(name, scene, masks, runs, target)
+    wrote(target / f"{name}_*.png")
 
 
-@cli.command()
+@cli.command(short_help="Write everything on one HTML page.")
 @click.option("--results", type=FOLDER, required=True, help="Folder of tables and scenes.")
 @click.option("--scene", "scenes", multiple=True, required=True, help="A scene; repeatable.")
 @click.option(
@@ -86,3 +90,4 @@ def report(
         for name in scenes
     ]
     write_report(results, folders, target)
+    wrote(target, OPEN_PAGE)

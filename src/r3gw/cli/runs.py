@@ -5,9 +5,10 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, THREADS, cli
+from r3gw.cli.told import wrote
 
 
-@cli.command()
+@cli.command(short_help="Train one variant on one scene.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
 @click.option("--initial", type=FILE, required=True, help="initial.npz")
@@ -59,9 +60,10 @@ def train(
         fresh=fresh,
         snapshots=snapshots,
     )
+    wrote(target / "model.safetensors", f"see it by `r3gw view {target} --scene {scene}`")
 
 
-@cli.command()
+@cli.command(short_help="Score a trained model and draw its pictures.")
 @click.option("--scene", type=FOLDER, required=True, help="Folder of the imported scene.")
 @click.option("--masks", type=FOLDER, required=True, help="Folder of the masks.")
 @click.option("--model", type=FILE, required=True, help="model.safetensors of the run.")
@@ -72,3 +74,4 @@ def evaluate(scene: Path, masks: Path, model: Path, target: Path, threads: int) 
     from r3gw.evaluation.stage import evaluate_run
 
     evaluate_run(scene, masks, model, target, num_threads=threads)
+    wrote(target / "metrics.json", "its pictures are in renders/ beside it")

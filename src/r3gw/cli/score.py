@@ -6,9 +6,10 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
+from r3gw.cli.told import wrote
 
 
-@cli.command()
+@cli.command(short_help="Score any method's pictures as ours are scored.")
 @click.option(
     "--renders",
     type=FOLDER,
@@ -53,3 +54,4 @@ def score(renders: Path, truth: Path | None, masks: Path | None, output: Path | 
         table["num_pixels"] = [each.num_pixels for each in scored]
         with atomic_path(output) as path:
             table.to_csv(path, index_label="picture", float_format="%.6g")
+        wrote(output)

@@ -90,7 +90,11 @@ def option(section: str, *names: str, **kwargs: Any) -> Decorator:
 
 LIGHT = "Light (exactly one of --env-map, --light-of, --sun)"
 LIGHT_OPTIONS = (
-    option(LIGHT, "--env-map", type=FILE, help="Equirectangular map: .exr, .hdr, .jpg or .png."),
+    option(
+        LIGHT, "--env-map", type=FILE, metavar="FILE",
+        help="Map of the light all around, twice as wide as high: .exr or .hdr (linear light), "
+        "or an 8-bit picture such as .jpg or .png.",
+    ),
     option(
         LIGHT, "--light-of", multiple=True, metavar="PHOTO",
         help="Learned light of a training photo; twice for a blend of two.",

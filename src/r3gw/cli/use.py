@@ -7,22 +7,28 @@ import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
 from r3gw.cli.sections import SWEEP, SectionCommand, light_options, option
+from r3gw.cli.told import OPEN_PAGE, wrote
 from r3gw.relight.sweep import Sweep
 
 SCENE, CAMERA, OUTPUT = "Scene", "Camera", "Output"
 MODEL = option(
     SCENE,
     "--model",
-    type=FILE,
+    type=click.Path(path_type=Path),
     required=True,
-    help="A run's model.safetensors, or relightable.ply.",
+    help="A run's folder, its model.safetensors, or an exported relightable.ply.",
 )
 SCENE_FOLDER = option(
-    SCENE, "--scene", type=FOLDER, required=True, help="Folder of the imported scene."
+    SCENE,
+    "--scene",
+    type=FOLDER,
+    help="Folder of the imported scene; default: where the workflow has it.",
 )
 
 
-@cli.command(cls=SectionCommand)
+@cli.command(
+    cls=SectionCommand, short_help="Make a picture or a film from any camera under any light."
+)
 @MODEL
 @SCENE_FOLDER
 @option(
@@ -78,7 +84,7 @@ SCENE_FOLDER = option(
 @option(OUTPUT, "--threads", type=click.IntRange(1), default=1, help="CPU threads.")
 def relight(
     model: Path,
-    scene: Path,
+    scene: Path | None,
     view: tuple[str, ...],
     orbit_deg: Sweep | None,
     width: int | None,
@@ -96,35 +102,40 @@ def relight(
 
     \b
     One photo's view under an HDR map:
-      r3gw relight --model M --scene S --view A --env-map sunset.hdr --output relit.png
+      r3gw relight --model R --view A --env-map sunset.hdr --output relit.png
     A day around the place, the camera on a path from A by B to C:
-      r3gw relight --model M --scene S --view A --view B --view C \\
+      r3gw relight --model R --view A --view B --view C \\
           --sun 10:60:10 90:270 --frames 150 --output day.mp4
     From one photo's weather to another's, orbiting:
-      r3gw relight --model M --scene S --view A --orbit-deg -30:30 --light-of A \\
+      r3gw relight --model R --view A --orbit-deg -30:30 --light-of A \\
           --light-of B --blend 0:1 --frames 100 --output blend.mp4
     """
     from r3gw.relight.cameras import CameraOptions
     from r3gw.relight.film import FilmOptions
     from r3gw.relight.film import relight as run
+    from r3gw.relight.outputs import described
     from r3gw.relight.seen import remark
+    from r3gw.view.runs import find_run
 
+    found = find_run(model, scene)
     cameras = CameraOptions(view, orbit_deg, width)
     share = run(
-        model,
-        scene,
+        found.model,
+        found.scene,
         output,
         cameras,
         _light(**light),
         FilmOptions(frames, fps, tone, guessed),
         num_threads=threads,
     )
+    for path in output:
+        wrote(described(path, frames, fps))
     warning = remark(share)
     if warning is not None:
         click.echo(f"{'where least, ' if frames > 1 else ''}{warning} (--guessed dimmed)", err=True)
 
 
-@cli.command(cls=SectionCommand)
+@cli.command(cls=SectionCommand, short_help="Write a scene for viewers of Gaussian splats.")
 @MODEL
 @SCENE_FOLDER
 @light_options
@@ -152,7 +163,7 @@ def relight(
 )
 def export(
     model: Path,
-    scene: Path,
+    scene: Path | None,
     target: Path,
     view: str | None,
     coordinates: Literal["scene", "source"],
@@ -171,25 +182,29 @@ def export(
     scene in any browser (see also `r3gw page`).
     """
     from r3gw.relight.export import export as run
-    from r3gw.relight.lights import still_light
+    from r3gw.relight.lights import require_map, still_light
     from r3gw.relight.trained import load
+    from r3gw.view.runs import find_run
 
-    options, trained = _light(**light), load(model, scene)
+    found, options = find_run(model, scene), _light(**light)
+    require_map(options)
+    trained = load(found.model, found.scene)
     baked_under = still_light(trained.gaussians, options)
     if target.suffix.lower() == ".html":
-        _export_page(model, scene, target, options, tone)
+        _export_page(found, target, options, tone)
         return
     run(trained, target, baked_under, view=view, tone=tone, coordinates=coordinates)
+    wrote(target, "viewers of Gaussian splats open baked.ply, others baked.glb")
 
 
-def _export_page(model: Path, scene: Path, target: Path, options: Any, tone: str) -> None:
+def _export_page(run: Any, target: Path, options: Any, tone: str) -> None:
     from r3gw.view.page import write_page
     from r3gw.view.payload import PageOptions
-    from r3gw.view.runs import find_run
     from r3gw.view.start import start_of
 
-    facts = find_run(model, scene).facts
-    write_page(model, scene, target, PageOptions(facts=facts, start=start_of(options, tone)))
+    begun = PageOptions(facts=run.facts, start=start_of(options, tone))
+    write_page(run.model, run.scene, target, begun)
+    wrote(target, OPEN_PAGE)
 
 
 def _light(

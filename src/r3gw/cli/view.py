@@ -5,6 +5,8 @@ from pathlib import Path
 import click
 
 from r3gw.cli.group import FILE, FOLDER, cli
+from r3gw.cli.told import OPEN_PAGE, wrote
+from r3gw.files import InputError
 
 PATH = click.Path(path_type=Path)
 SCENE = click.option(
@@ -26,7 +28,7 @@ MOST_PICTURES = click.option(
 )
 
 
-@cli.command()
+@cli.command(short_help="Write a scene as one HTML page that relights it.")
 @click.argument("run", type=PATH)
 @SCENE
 @click.option("--target", type=FILE, required=True, help="The page (.html).")
@@ -44,12 +46,15 @@ def page(
     from r3gw.view.payload import PageOptions
     from r3gw.view.runs import find_run
 
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{target}: browsers know a page by its name; let it end in .html")
     found = find_run(run, scene)
     options = PageOptions(None, most_gaussians, most_pictures, found.facts)
     write_page(found.model, found.scene, target, options)
+    wrote(target, OPEN_PAGE)
 
 
-@cli.command()
+@cli.command(short_help="Show a scene, or a running training, in your browser.")
 @click.argument("run", type=PATH)
 @SCENE
 @click.option(

@@ -96,20 +96,28 @@ def draw(coefficients: Float[Tensor, "coeff 3"], height: int) -> Float[Tensor, "
     return sh.radiance(coefficients, directions)
 
 
+def require_env_map(path: Path) -> None:
+    """Refuse what cannot be a map, by its name alone.
+
+    Raises:
+        InputError: If the file is missing or of another type.
+    """
+    if path.suffix.lower() not in (*HDR_SUFFIXES, *LDR_SUFFIXES):
+        kinds = ", ".join((*HDR_SUFFIXES, *LDR_SUFFIXES))
+        raise InputError(f"{path}: environment maps are {kinds} files")
+    if not path.is_file():
+        raise InputError(f"{path}: no such environment map; check the name and its folder")
+
+
 def read_env_map(path: Path) -> Float[Tensor, "h w 3"]:
     """Read a map: linear values of .exr and .hdr as they are, 8-bit values / 255 unlinearised.
 
     Raises:
         InputError: If the file is missing, of another type, or not twice as wide as high.
     """
-    suffix = path.suffix.lower()
-    if suffix in HDR_SUFFIXES:
-        image = read_linear(path)
-    elif suffix in LDR_SUFFIXES:
-        image = read_rgb(path).astype(np.float32) / 255.0
-    else:
-        kinds = ", ".join((*HDR_SUFFIXES, *LDR_SUFFIXES))
-        raise InputError(f"{path}: environment maps are {kinds} files")
+    require_env_map(path)
+    is_linear = path.suffix.lower() in HDR_SUFFIXES
+    image = read_linear(path) if is_linear else read_rgb(path).astype(np.float32) / 255.0
     height, width = image.shape[:2]
     if width != 2 * height:
         raise InputError(

@@ -49,7 +49,7 @@ def ground_light(
     """SH light of level, matt ground.
 
     Args:
-        irradiance: Of the ground.
+        irradiance: What arrives at level ground.
         ground_reflectance: 0 to 1.
         degree: SH degree of the light.
     """

@@ -31,7 +31,7 @@ class PointSun:
 
     Attributes:
         direction: Unit vector towards the sun, in world axes.
-        irradiance: Of a surface that faces it, linear.
+        irradiance: What the sun gives a surface that faces it, linear.
     """
 
     direction: Float[Tensor, "3"]

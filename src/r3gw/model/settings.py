@@ -11,12 +11,12 @@ class InitSettings(Strict):
     """Values before the first iteration.
 
     Attributes:
-        opacity: Of every Gaussian.
-        roughness: Of every surface.
-        albedo: Of every surface, in all channels; "photos" takes it from the training photos
-            (r3gw.training.first_values).
-        light_radiance: Of the first, even light; "photos" takes it from the training photos
-            (r3gw.training.first_values).
+        opacity: First opacity of every Gaussian.
+        roughness: First roughness of every surface.
+        albedo: First albedo of every surface, in all channels; "photos" takes it from the
+            training photos (r3gw.training.first_values).
+        light_radiance: Radiance of the first, even light; "photos" takes it from the training
+            photos (r3gw.training.first_values).
     """
 
     opacity: float = Field(gt=0, lt=1)

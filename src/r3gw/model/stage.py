@@ -20,7 +20,7 @@ def run_initialise(
 
     Args:
         scene_folder: The imported scene.
-        settings: Of the sky.
+        settings: How the sky's Gaussians are placed.
         target: ``initial.npz``.
         masks_folder: Its masks: then stereo between the training photos adds points to the sparse
             ones. None takes the sparse ones alone.

@@ -16,6 +16,10 @@ from r3gw.scene.selection import evenly
 
 NUM_PICTURES = 3
 SETTINGS = "photos.yaml"
+HEADER = """\
+# The settings of this run. Edit them and give the same command again: what depends on them is made
+# again. config/README.md in the repository explains every key.
+"""
 
 
 def repository() -> Path:
@@ -63,7 +67,7 @@ def prepare(photos: Path, target: Path, defaults: Path) -> Path:
     load_config(values, str(defaults))
     target.mkdir(parents=True, exist_ok=True)
     with atomic_path(path) as temporary:
-        temporary.write_text(yaml.safe_dump(values, sort_keys=False))
+        temporary.write_text(HEADER + yaml.safe_dump(values, sort_keys=False))
     return path
 
 
@@ -81,12 +85,24 @@ def run_workflow(settings: Path, cores: int, options: Sequence[str]) -> None:
     target = settings.parent.resolve()
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(repository() / "Snakefile")]
     command += ["--directory", str(target), "--configfile", str(settings.resolve())]
-    done = subprocess.run([*command, "--cores", str(cores), *options, "all"], check=False)
-    if done.returncode != 0:
+    if exit_status([*command, "--cores", str(cores), *options, "all"]) != 0:
         raise InputError(
             f"the workflow stopped for the reason above; what it finished is kept in {target}, and "
             "the same command goes on from there"
         )
+
+
+def exit_status(command: Sequence[str]) -> int:
+    """Run a command to its end and return its exit status.
+
+    Ctrl-C reaches the command as well, which is given the time to end its own jobs.
+    """
+    with subprocess.Popen(command) as process:
+        while True:
+            try:
+                return process.wait()
+            except KeyboardInterrupt:
+                continue
 
 
 def to_look_at(settings: Path) -> list[tuple[str, Path]]:

@@ -9,8 +9,8 @@ import torch
 from tqdm import tqdm
 
 from r3gw.files import InputError
-from r3gw.relight.cameras import CameraOptions, cameras_over_time
-from r3gw.relight.lights import LightOptions, light_over_time
+from r3gw.relight.cameras import CameraOptions, cameras_over_time, view_named
+from r3gw.relight.lights import LightOptions, light_over_time, require_map
 from r3gw.relight.load import load_relightable, require_scene_of
 from r3gw.relight.outputs import output_for
 from r3gw.relight.picture import frame
@@ -73,14 +73,19 @@ def relight(
             "one frame shows no movement: ask for more frames, or for one view and plain numbers"
         )
     torch.set_num_threads(num_threads)
-    gaussians, scene = load_relightable(model_path), load_scene(scene_folder)
+    # What is quickly looked at comes first, so that a slip is told at once.
+    sinks = [output_for(path, film.frames, film.fps) for path in outputs]
+    require_map(light)
+    scene = load_scene(scene_folder)
+    for name in cameras.views:
+        view_named(scene, name)
+    gaussians = load_relightable(model_path)
     require_scene_of(gaussians, scene)
     times = [i / max(film.frames - 1, 1) for i in range(film.frames)]
     placed = cameras_over_time(scene, cameras, gaussians.middle, times)
     light_at = light_over_time(gaussians, light)
     photos = [view.camera for view in scene.split("train")]
     witnesses, coverage = Witnesses(gaussians, photos), Coverage(gaussians, photos)
-    sinks = [output_for(path, film.frames, film.fps) for path in outputs]
     curve = CURVES[film.tone]
     steps = tqdm(
         zip(placed, times, strict=True),

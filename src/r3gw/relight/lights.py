@@ -10,6 +10,7 @@ from statistics import median_low
 from typing import Literal
 
 from r3gw.files import InputError
+from r3gw.lighting.envmap import require_env_map
 from r3gw.lighting.light import Light
 from r3gw.relight.gaussians import Relightable
 from r3gw.relight.sweep import Sweep
@@ -88,6 +89,16 @@ class LightOptions:
 
 
 LightOverTime = Callable[[float], Light]
+
+
+def require_map(options: LightOptions) -> None:
+    """Refuse a map that is not there, before anything slow begins.
+
+    Raises:
+        InputError: If so, or if its name is that of no map.
+    """
+    if isinstance(options.source, MapSource):
+        require_env_map(options.source.path)
 
 
 def light_over_time(gaussians: Relightable, options: LightOptions) -> LightOverTime:

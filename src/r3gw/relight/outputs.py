@@ -58,9 +58,7 @@ class Pictures(Output):
 
     def write(self, picture: Float[Tensor, "h w 3"]) -> None:
         """Write the frame under its number."""
-        number = self.count
-        name = NUMBER.sub(lambda found: found.group() % number, self.path.name)
-        target = self.path.with_name(name)
+        target = numbered(self.path, self.count)
         self.count += 1
         if self.is_linear:
             write_exr(target, picture.numpy())
@@ -104,6 +102,21 @@ class Film(Output):
         if self.sink is not None:
             self.sink.close()
         self.stack.__exit__(kind, error, trace)
+
+
+def described(path: Path, frames: int, fps: float) -> str:
+    """An output that is complete, in words: its name, and what is in it where that is more."""
+    if path.suffix.lower() == FILM_SUFFIX:
+        return f"{path} ({frames} frames, {frames / fps:.1f} s)"
+    if not NUMBER.search(path.name):
+        return str(path)
+    first, last = numbered(path, 0), numbered(path, frames - 1)
+    return str(first) if frames == 1 else f"{first} to {last.name}"
+
+
+def numbered(path: Path, number: int) -> Path:
+    """The file of a frame: the pattern in the name, such as ``%04d``, replaced by its number."""
+    return path.with_name(NUMBER.sub(lambda found: found.group() % number, path.name))
 
 
 def output_for(path: Path, frames: int, fps: float) -> Output:

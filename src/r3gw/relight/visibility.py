@@ -21,7 +21,7 @@ def is_seen(
     Args:
         gaussians: The scene, which hides what is behind its surfaces.
         camera: The photo's.
-        points: In the world.
+        points: Places in world coordinates.
 
     Returns:
         True where the photo sees the point.

@@ -52,7 +52,7 @@ def irradiance_beside(
 
     Args:
         rows: The foreground.
-        light: Of which shadows take a part.
+        light: SH light, of which shadows take a part.
         direct: What comes from elsewhere; None for nothing.
     """
     if OCCLUSION not in rows:

@@ -38,7 +38,7 @@ class StereoPhoto:
     """One photo, scaled down.
 
     Attributes:
-        camera: Of the scaled photo.
+        camera: The camera of the scaled photo.
         grey: 0 to 1.
         is_matched: False on sky and on occluders.
         known: The scene's sparse points as this photo's camera sees them.

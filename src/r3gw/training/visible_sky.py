@@ -102,7 +102,7 @@ def seen_by_row(rows: Sequence[int], seen: Sequence[VisibleSky | None]) -> list[
     """Per row of the appearance embedding, the skies that its photos show.
 
     Args:
-        rows: Of each photo.
+        rows: Row of each photo in the appearance embedding.
         seen: What each photo shows; photos at the end may be missing.
     """
     found: list[list[VisibleSky]] = [[] for _ in range(max(rows) + 1)]
