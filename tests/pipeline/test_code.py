@@ -49,7 +49,7 @@ EDITS = {
     "view/server.py": set(),
     "reporting/tables/study.py": {"study", "figures", "report"},
     "reporting/figures/grids.py": {"study", "figures"},
-    "reporting/figures/mask_sheet.py": {"mask-sheet", "figures"},
+    "reporting/figures/mask_sheet.py": {"mask-sheet", "figures", "study"},
     "reporting/page/templates/report.css": {"report"},
     "reporting/page/scene_page.py": {"report"},
     "pipeline/config.py": {"doctor"},

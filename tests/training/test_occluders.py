@@ -109,6 +109,16 @@ def test_masks_of_the_user_s_are_not_looked_at(model, photos):
     assert all(torch.equal(a, b) for a, b in zip(plain, other, strict=True))
 
 
+def test_sky_is_never_an_occluder(model, photos):
+    """Where the model has something before a photo's sky, the photo is to say so."""
+    is_sky = torch.zeros(HEIGHT, WIDTH, dtype=torch.bool)
+    is_sky[:50] = True
+    sky = replace(with_somebody(photos[0], PLACE), is_sky=is_sky)
+    found = find_occluders(model, [sky, *photos[1:]], SETTINGS)[0]
+    assert not found[:50].any()
+    assert found[52:68, 42:60].float().mean() > 0.9
+
+
 def test_no_photo_loses_more_than_the_largest_share(model, photos):
     bounded = SETTINGS.model_copy(update={"most": 0.02})
     found = find_occluders(model, [with_somebody(photos[0], PLACE), *photos[1:]], bounded)

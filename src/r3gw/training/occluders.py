@@ -78,7 +78,8 @@ def find_occluders(
         factor = USUAL_FACTOR * _badly_lit(each.unlike, expected, compared)
         excess = (each.unlike - factor * expected).numpy()
         mask = _mask(excess, settings, *photo.is_valid.shape)
-        occluders.append(mask & photo.is_valid)
+        # Sky stands before nothing; where it differs, the model has something in its way.
+        occluders.append(mask & photo.is_valid & ~photo.is_sky)
     return occluders
 
 
