@@ -105,7 +105,9 @@ wheel: .venv/installed
 # very torch that runs it.
 PIP := $(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt
 .venv/installed: .venv/bin/python $(SOURCES)
+	@echo "Installing PyTorch into .venv: pip says nothing for some minutes."
 	$(PIP) torch setuptools ninja numpy
+	@echo "Installing all other libraries and compiling the kernels: again some minutes."
 	$(PIP) --no-build-isolation --editable '.[pipeline,benchmark,view,cluster]'
 	touch $@
 
