@@ -82,14 +82,15 @@ def test_a_workflow_that_stops_says_how_to_go_on(folder, tmp_path, monkeypatch):
     assert calls[0][-4:] == ["--cores", "3", "--keep-going", "all"]
 
 
+# Written at once and not through sys.stdout: the signal may come while "begun" is still being printed.
 TIDY = """
-import signal, sys, time
+import os, signal, sys, time
 def tidy_up(*_):
     time.sleep(0.8)
-    print("tidy", flush=True)
+    os.write(1, b"tidy\\n")
     sys.exit(7)
 signal.signal(signal.SIGINT, tidy_up)
-print("begun", flush=True)
+os.write(1, b"begun\\n")
 time.sleep(60)
 """
 RUN = f"""
