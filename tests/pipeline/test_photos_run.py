@@ -82,7 +82,7 @@ def test_a_workflow_that_stops_says_how_to_go_on(folder, tmp_path, monkeypatch):
     assert calls[0][-4:] == ["--cores", "3", "--keep-going", "all"]
 
 
-# Written at once and not through sys.stdout: the signal may come while "begun" is still being printed.
+# Written past sys.stdout: the signal may come while "begun" is still being printed.
 TIDY = """
 import os, signal, sys, time
 def tidy_up(*_):
