@@ -9,7 +9,7 @@ from PIL import Image
 
 from r3gw.files import InputError
 from r3gw.geometry.cameras import Camera
-from r3gw.imaging.decode import read_exif_block
+from r3gw.imaging.exif import read_exif_block
 from r3gw.importing.clock import Metadata, metadata, moment
 from r3gw.importing.settings import parse_scene
 from r3gw.importing.source import SourcePoints, SourceScene, SourceView

@@ -18,14 +18,14 @@ from PIL import Image, UnidentifiedImageError
 
 from r3gw.files import InputError
 from r3gw.imaging.damage import jpeg_is_whole, refuse_altered_png, unread_reason
-from r3gw.imaging.formats import DEVELOP, MOST_BYTES, MOST_PIXELS
+from r3gw.imaging.exif import orientation_and_exif
+from r3gw.imaging.formats import DEVELOP, MOST_BYTES, MOST_PIXELS, PILLOW_FORMATS
 from r3gw.imaging.heic import decode_heic, is_heic
 from r3gw.imaging.orientation import STORED_UPRIGHT, stored_from_upright, upright_from_stored
 
-_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "BMP", "GIF")
 _ANIMATED = ("WEBP", "AVIF", "PNG", "GIF")
 _TIFF_MAGICS = (b"II*\0", b"MM\0*")
-_ORIENTATION_TAG, _NEW_SUBFILE_TAG, _DNG_VERSION_TAG = 0x0112, 0x00FE, 0xC612
+_NEW_SUBFILE_TAG, _DNG_VERSION_TAG = 0x00FE, 0xC612
 _RAW_DEPTH = re.compile(r";(\d+)")
 _MOST_DEFLATED = 1032  # times its size is all that deflated data can grow to (RFC 1951)
 _BROKEN = "not a readable picture (truncated, damaged or of another format?)"
@@ -82,7 +82,7 @@ def read_picture(path: Path) -> Picture:
             return _of_heic(*decode_heic(path))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of odd metadata, which does not matter here
-            with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
+            with Image.open(io.BytesIO(data), formats=PILLOW_FORMATS) as image:
                 _refuse_unfit(image, path)
                 _refuse_hollow_png(image, len(data))
                 return _decoded(image, data, path)
@@ -99,20 +99,6 @@ def read_picture(path: Path) -> Picture:
         raise InputError(f"{path}: {_BROKEN}: {reason[:120]}; {_AGAIN}") from error
 
 
-def read_exif_block(path: Path) -> bytes:
-    """The EXIF block of a picture, empty if it has none or none that can be read."""
-    try:
-        with path.open("rb") as file:
-            if is_heic(file.read(256)):
-                return read_picture(path).exif
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of odd metadata, which does not matter here
-            with Image.open(path, formats=_FORMATS) as image:
-                return _orientation(image)[1]
-    except Exception:  # who reads the picture finds the words for it
-        return b""
-
-
 def read_opaque(path: Path) -> NDArray[np.bool_] | None:
     """Where a picture is opaque, ``[H, W]`` as stored; None if it is everywhere.
 
@@ -124,7 +110,7 @@ def read_opaque(path: Path) -> NDArray[np.bool_] | None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            with Image.open(path, formats=_FORMATS) as image:
+            with Image.open(path, formats=PILLOW_FORMATS) as image:
                 has_alpha = bool(image.has_transparency_data)
     except Exception:  # read_picture finds the words for it
         has_alpha = True
@@ -202,7 +188,7 @@ def _has_equal_pages(image: Any) -> bool:
 def _decoded(image: Any, data: bytes, path: Path) -> Picture:
     # Asked first: reading EXIF may decode a PNG, which leaves no tiles.
     has_16_bits = any(";16" in str(tile[3]) for tile in getattr(image, "tile", ()))
-    orientation, exif = _orientation(image)
+    orientation, exif = orientation_and_exif(image)
     if image.format in ("JPEG", "MPO") and image.mode in ("RGB", "L"):
         if not jpeg_is_whole(data):
             raise InputError(f"{path}: {_BROKEN}; {_AGAIN}")
@@ -219,16 +205,6 @@ def _decoded(image: Any, data: bytes, path: Path) -> Picture:
     # Pillow and OpenCV hand over TIFF upright, unasked.
     alpha = None if alpha is None else stored_from_upright(alpha, orientation)
     return Picture(stored_from_upright(pixels, orientation), alpha, orientation, exif)
-
-
-def _orientation(image: Any) -> tuple[int, bytes]:
-    try:
-        exif = image.getexif()
-        number = exif.get(_ORIENTATION_TAG, STORED_UPRIGHT)
-        block = exif.tobytes() if len(exif) else b""
-    except Exception:  # broken EXIF does not make a photo unreadable, and raises anything
-        return STORED_UPRIGHT, b""
-    return (number if number in range(1, 9) else STORED_UPRIGHT), block
 
 
 def _by_opencv(data: bytes, path: Path, mode: str) -> NDArray[np.uint8]:

@@ -11,6 +11,7 @@ LDR_SUFFIXES = (
     ".hif", ".bmp",
 )  # fmt: skip
 HDR_SUFFIXES = (".exr", ".hdr")
+PILLOW_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "AVIF", "BMP", "GIF")  # that it is asked to open
 WRITTEN_SUFFIXES = (".png", ".jpg", ".jpeg")
 # Undeveloped sensor data: to develop it is a photographer's choice, so r3gw does not.
 RAW_SUFFIXES = (

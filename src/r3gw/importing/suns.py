@@ -12,7 +12,7 @@ from zoneinfo import ZoneInfo
 from astral import Observer
 from astral.sun import zenith_and_azimuth
 
-from r3gw.imaging.decode import read_exif_block
+from r3gw.imaging.exif import read_exif_block
 from r3gw.importing.clock import has_clock, metadata, moment
 from r3gw.importing.named_files import listed
 from r3gw.importing.settings import Place, SceneSettings

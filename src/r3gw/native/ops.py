@@ -1,9 +1,9 @@
 """The operators of the compiled extension, with types: the one place that calls torch.ops.r3gw.
 
 Every operator has a schema, and an implementation per device (so far the CPU) that stands beside
-its kernel, in csrc of the package whose plain form it replaces. Given tensors of a device without
-one, torch raises NotImplementedError; `r3gw.native.kernels.take` tells beforehand. Tensors are
-contiguous float32 unless said otherwise; shapes are those of the callers, which document them.
+its kernel, in csrc of the package whose plain form it replaces. Torch refuses tensors of a device
+without one; `r3gw.native.kernels.take` tells beforehand. Tensors are contiguous float32 unless said
+otherwise; shapes are those of the callers, which document them.
 """
 
 from collections.abc import Sequence
@@ -88,8 +88,7 @@ def is_usable(
 ) -> bool:
     """Whether `rasterize` takes these arguments: `r3gw.raster.validation` in one pass."""
     gaussians = (means, quaternions, scales, opacities, features, background)
-    usable: bool = _ops.is_usable(*gaussians, cam_from_world, intrinsics, width, height)
-    return usable
+    return bool(_ops.is_usable(*gaussians, cam_from_world, intrinsics, width, height))
 
 
 def rasterize(

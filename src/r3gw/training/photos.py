@@ -54,11 +54,7 @@ def read_photo(view: View, scene_folder: Path) -> UInt8[np.ndarray, "h w 3"]:
     """
     path = scene_folder / view.image
     pixels = read_rgb(path)
-    if pixels.shape[:2] != (view.height, view.width):
-        raise InputError(
-            f"{path}: {pixels.shape[1]}x{pixels.shape[0]} px, but scene.json says "
-            f"{view.width}x{view.height} px; import the scene again"
-        )
+    _require_size(path, pixels, view)
     return pixels
 
 
@@ -72,12 +68,17 @@ def read_normals(view: View, scene_folder: Path) -> Int8[Tensor, "h w 3"] | None
         return None
     path = scene_folder / view.normals
     normals = read_linear(path)
-    if normals.shape[:2] != (view.height, view.width):
-        raise InputError(
-            f"{path}: {normals.shape[1]}x{normals.shape[0]} px, but scene.json says "
-            f"{view.width}x{view.height} px; import the scene again"
-        )
+    _require_size(path, normals, view)
     return torch.from_numpy(np.round(127 * np.clip(normals, -1, 1)).astype(np.int8))
+
+
+def _require_size(path: Path, picture: np.ndarray, view: View) -> None:
+    height, width = picture.shape[:2]
+    if (height, width) != (view.height, view.width):
+        raise InputError(
+            f"{path}: {width}x{height} px, but scene.json says {view.width}x{view.height} px; "
+            "import the scene again"
+        )
 
 
 def load_photos(scene: Scene, scene_folder: Path, masks_folder: Path) -> list[Photo]:
