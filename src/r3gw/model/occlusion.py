@@ -163,15 +163,19 @@ def outer_normals(
 def _transmitted(
     grid: OpacityGrid, starts: Float[Tensor, "n 3"], directions: Float[Tensor, "n 3"], reach: int
 ) -> Float[Tensor, "n"]:
-    """Transmittance along one ray per start."""
-    size = torch.tensor(grid.depth.shape, device=grid.depth.device)
-    first = (starts - grid.corner) / grid.voxel
+    """Transmittance along one ray per start; outside the grid nothing holds light back."""
+    # One empty voxel all around, into which whatever lies outside is moved.
+    padded = torch.nn.functional.pad(grid.depth, (1,) * 6)
+    last = torch.tensor(grid.depth.shape, device=padded.device)[:, None]
+    first = ((starts - grid.corner) / grid.voxel).T.contiguous()
+    towards = directions.T.contiguous()
+    flat, (_, height, depth) = padded.reshape(-1), padded.shape
     total = starts.new_zeros(len(starts))
     for step in range(reach):
-        cell = (first + step * directions).floor().long()
-        is_inside = ((cell >= 0) & (cell < size)).all(-1)
-        x, y, z = torch.where(is_inside[:, None], cell, 0).unbind(-1)
-        total += torch.where(is_inside, grid.depth[x, y, z], 0.0)
+        # A place far outside would overflow an integer.
+        place = (first + step * towards).floor().clamp(min=-1).minimum(last)
+        x, y, z = (place + 1).int()
+        total += flat[(x * height + y) * depth + z]
     return torch.exp(-total)
 
 

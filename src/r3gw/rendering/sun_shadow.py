@@ -152,14 +152,15 @@ def _sun_camera(means: Float[Tensor, "n 3"], direction: Float[Tensor, "3"]) -> t
 
 
 def reach(gaussians: Gaussians, cameras: Sequence[Camera], shadow: SunShadow) -> Float[Tensor, "n"]:
-    """Share of the sun that reaches each Gaussian, as cameras see it.
+    """Share of the sun that reaches each Gaussian of the foreground, as cameras see it.
 
     It is the mean over the pixels in which cameras see a Gaussian, weighted by how much of it they
     see, of the share that reaches the pixel: depths of single pixels err more than their mean over
     a Gaussian. What none sees takes the share at its middle.
 
     Args:
-        gaussians: All that the cameras see.
+        gaussians: The foreground. The sky lies behind it, and would only lend its distance to
+            pixels of the outline.
         cameras: One or more.
         shadow: Who stands in the sun.
     """
@@ -184,11 +185,21 @@ def reach(gaussians: Gaussians, cameras: Sequence[Camera], shadow: SunShadow) ->
 @torch.no_grad()
 def shadow_in(model: SceneModel, direction: Float[Tensor, "3"]) -> SunShadow:
     """A model's foreground as a sun in some direction sees it."""
+    return sun_shadow(foreground_of(model), direction)
+
+
+@torch.no_grad()
+def reach_in(model: SceneModel, camera: Camera, shadow: SunShadow) -> Float[Tensor, "f"]:
+    """Share of the sun that reaches each Gaussian of a model's foreground in a camera's picture."""
+    return reach(foreground_of(model), [camera], shadow)
+
+
+def foreground_of(model: SceneModel) -> Gaussians:
+    """A model's foreground as the rasterizer takes it."""
     foreground = model.foreground
-    gaussians = Gaussians(
+    return Gaussians(
         foreground[MEANS.name],
         foreground[QUATERNIONS.name],
         LOG_SCALES.of(foreground),
         OPACITY.of(foreground),
     )
-    return sun_shadow(gaussians, direction)
