@@ -72,7 +72,7 @@ def sunlit_sum(splats_of, model, camera, sun):
     light = LIGHT.to(model.foreground["means"])
     normals = splats_of(model, camera, light, None).features[: len(model.foreground), NORMAL]
     direct = direct_irradiance(model, normals, camera, sun)
-    colours = splats_of(model, camera, light, None, direct=direct).colours
+    colours = splats_of(model, camera, light, None, beside=direct).colours
     colours = colours[: len(model.foreground)]
     weights = torch.rand(colours.shape, generator=torch.Generator().manual_seed(4))
     return (weights.to(colours) * colours).sum()

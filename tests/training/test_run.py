@@ -163,6 +163,7 @@ def test_so_does_a_run_whose_suns_are_known(files, tmp_path, monkeypatch, caplog
     assert record == other
     assert set(record["known"]) == {"0", "1"}
 
+
 def test_so_does_a_run_that_looks_for_occluders(files, tmp_path, monkeypatch, caplog):
     """They are found after iterations 4 and 12: those of the checkpoint are used until then.
 

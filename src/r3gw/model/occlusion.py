@@ -64,7 +64,8 @@ def update_occlusion(
         axes, centre = normals[part], means[part]
         outer = outer_normals(grid, centre, axes, camera_centres, settings.offset, reach)
         starts = centre + settings.offset * grid.voxel * outer
-        lost = (1 - settings.bounce) * (1 - visibility(grid, starts, directions, reach))
+        seen = visibility(grid, starts, directions, reach, outer)
+        lost = (1 - settings.bounce) * (1 - seen)
         occlusion[part] = blocked_irradiance(lost, outer, directions, degree)
         normals[part] = outer
     opacities = rows["opacity_logits"].detach().sigmoid()
@@ -114,12 +115,17 @@ def opacity_grid(rows: Rows, voxels: int) -> OpacityGrid:
 
 
 def visibility(
-    grid: OpacityGrid, starts: Float[Tensor, "n 3"], directions: Float[Tensor, "k 3"], reach: int
+    grid: OpacityGrid,
+    starts: Float[Tensor, "n 3"],
+    directions: Float[Tensor, "k 3"],
+    reach: int,
+    normals: Float[Tensor, "n 3"],
 ) -> Float[Tensor, "n k"]:
     """Transmittance from each start towards each direction, over ``reach`` voxels.
 
     Rays of one direction step through the same chain of voxels, moved to the start's voxel; the
-    first step leaves that voxel. Starts outside the grid see everything.
+    first step leaves that voxel. Starts outside the grid see everything. Behind a surface,
+    from where nothing lights it, no ray is cast: that counts as seen.
     """
     edge = reach + 1
     padded = torch.nn.functional.pad(grid.depth, (edge,) * 6)
@@ -134,7 +140,10 @@ def visibility(
     columns = []
     for direction in directions:
         chain = ((steps * direction).round().long() @ stride).int()
-        columns.append(flat[first[:, None] + chain].sum(dim=1))
+        is_before = normals @ direction > 0
+        column = starts.new_zeros(len(starts))
+        column[is_before] = flat[first[is_before, None] + chain].sum(dim=1)
+        columns.append(column)
     transmitted = torch.exp(-torch.stack(columns, dim=1))
     return torch.where(is_inside[:, None], transmitted, 1.0)
 

@@ -24,7 +24,7 @@ from r3gw.rendering.channels import (
     NUM_LEARNED,
     Layers,
 )
-from r3gw.rendering.splat_set import Splats
+from r3gw.rendering.splat_set import Splats, irradiance_beside
 from r3gw.rendering.splats import splats_of
 from r3gw.rendering.sun_shadow import reach_in, shadow_in
 from r3gw.rendering.sunlight import bounced_irradiance, direct_irradiance
@@ -142,11 +142,12 @@ def shaded_splats(
     rest = light - sun.sh(degree_of(len(light)))
     if OCCLUSION in foreground:
         bounced = bounced_irradiance(foreground[OCCLUSION], sun, model.description.sun_bounce)
-    in_shade = splats_of(model, camera, rest, sky_light, layers, bounced)
+    beside = irradiance_beside(foreground, rest, bounced)
+    in_shade = splats_of(model, camera, rest, sky_light, layers, beside)
     normals = in_shade.features[: len(foreground), NORMAL]
     direct = direct_irradiance(model, normals, camera, sun)
-    if bounced is not None:
-        direct = direct + bounced
+    if beside is not None:
+        direct = direct + beside
     in_sun = splats_of(model, camera, rest, sky_light, layers, direct)
     if sunlight.reached is None:
         return in_sun
