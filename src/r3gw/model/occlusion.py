@@ -25,6 +25,7 @@ SAMPLES = 32  # Points that spread a Gaussian's opacity over voxels.
 BOX_QUANTILES = (0.02, 0.98)  # Of the positions: what lies outside casts no shadow.
 BOX_MARGIN = 3  # Voxels around that box.
 PART = 8192  # Gaussians whose samples and rays are held at a time.
+STEPS_BETWEEN = 16  # after which rays that have left the grid are put aside
 DENSEST = 0.99  # Opacities are cut here, so that their optical depth stays finite.
 
 
@@ -179,12 +180,17 @@ def _transmitted(
     first = ((starts - grid.corner) / grid.voxel).T.contiguous()
     towards = directions.T.contiguous()
     flat, (_, height, depth) = padded.reshape(-1), padded.shape
-    total = starts.new_zeros(len(starts))
+    total, rays = starts.new_zeros(len(starts)), torch.arange(len(starts), device=starts.device)
     for step in range(reach):
         # A place far outside would overflow an integer.
         place = (first + step * towards).floor().clamp(min=-1).minimum(last)
         x, y, z = (place + 1).int()
-        total += flat[(x * height + y) * depth + z]
+        total[rays] += flat[(x * height + y) * depth + z]
+        if step % STEPS_BETWEEN == STEPS_BETWEEN - 1:
+            # A ray that is past the grid's end in some direction does not come back.
+            has_left = ((place < 0) & (towards <= 0)) | ((place == last) & (towards >= 0))
+            stays = ~has_left.any(dim=0)
+            rays, first, towards = rays[stays], first[:, stays], towards[:, stays]
     return torch.exp(-total)
 
 

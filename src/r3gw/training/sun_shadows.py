@@ -60,7 +60,7 @@ class SunShadows:
         if iteration < schedule.occlusion_first:
             return Sunlight(sharp, None)
         since, reached = self.reached.get(photo, (NEVER, None))
-        if reached is None or iteration - since >= schedule.reach_age:
+        if reached is None or schedule.is_reach_old(iteration, since):
             row = model.appearance.rows[photo]
             shadow = self._shadow(model, row, sun, iteration, schedule)
             reached = (STEPS * reach_in(model, camera, shadow)).round().to(torch.uint8)
