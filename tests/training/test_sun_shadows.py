@@ -71,6 +71,17 @@ def test_it_is_kept_until_it_is_old_or_gaussians_come_or_go(sunny, camera):
     assert not shadows.reached
 
 
+@pytest.mark.parametrize(("moved_deg", "is_kept"), [(0.8, True), (1.2, False)])
+def test_it_is_found_anew_where_the_sun_has_moved(sunny, camera, moved_deg, is_kept):
+    shadows = SunShadows()
+    shadows.of(sunny, 0, camera, SUN, 400, LATER)
+    angle = torch.tensor(moved_deg).deg2rad()
+    across = torch.tensor([0.8, 0.6, 0.0])
+    moved = PointSun(angle.cos() * SUN.direction + angle.sin() * across, SUN.irradiance)
+    shadows.of(sunny, 0, camera, moved, 420, LATER)
+    assert shadows.reached[0].since == (400 if is_kept else 420)
+
+
 def test_the_oldest_go_first(sunny, camera, monkeypatch):
     monkeypatch.setattr(sun_shadows, "MOST_KEPT", 2)
     sunny.appearance.rows = (5, 3, 4)
@@ -93,6 +104,7 @@ def test_a_checkpoint_keeps_them(sunny, camera):
         found, expected = (each.visibility(points) for each in (again.cast[row][1], shadow))
         torch.testing.assert_close(found, expected, rtol=0, atol=0)
     assert set(again.reached) == {0, 1}
-    for photo, (since, shares) in shadows.reached.items():
-        assert again.reached[photo][0] == since
-        torch.testing.assert_close(again.reached[photo][1], shares, rtol=0, atol=0)
+    for photo, kept in shadows.reached.items():
+        assert again.reached[photo].since == kept.since
+        torch.testing.assert_close(again.reached[photo].sun, kept.sun, rtol=0, atol=0)
+        torch.testing.assert_close(again.reached[photo].shares, kept.shares, rtol=0, atol=0)

@@ -121,14 +121,6 @@ class Schedule:
         is_due = (iteration - self.occlusion_first) % self.shadow_age == 0
         return is_due and iteration >= self.occlusion_first
 
-    def is_reach_old(self, iteration: int, since: int) -> bool:
-        """Whether a photo finds anew what its sun reaches, which it found in iteration ``since``.
-
-        In the end it always does: what is trained last is what the finished scene shows.
-        """
-        is_last = iteration > self.iterations - self.reach_age
-        return is_last or iteration - since >= self.reach_age
-
     def density_progress(self, iteration: int) -> float:
         """Share of the densification period that has passed, 0 to 1."""
         period = max(self.densify_last - self.densify_first, 1)

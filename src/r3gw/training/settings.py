@@ -145,8 +145,7 @@ class DaylightSettings(Strict):
         sharp: Share of the sun whose shadows are sharp; the rest is shaded by its SH.
         shadow_age: Iterations of the paper's schedule after which shadows are cast anew.
         reach_age: Iterations of the paper's schedule for which a photo keeps how much of the sun
-            reaches each Gaussian, while Gaussians neither come nor go. In the last of them it is
-            found in every iteration.
+            reaches each Gaussian, while Gaussians neither come nor go and the sun hardly moves.
         suns: Whether suns are learned, or known where date, time and place tell them
             (r3gw.training.known_suns).
         suns_tied_from: Iteration of the paper's schedule from which on known suns are tied

@@ -6,10 +6,11 @@ A photo comes again many times while the Gaussians stay the same and hardly move
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import cos, radians
 from typing import Any
 
 import torch
-from jaxtyping import UInt8
+from jaxtyping import Float, UInt8
 from torch import Tensor
 
 from r3gw.geometry.cameras import Camera
@@ -21,7 +22,28 @@ from r3gw.training.schedule import Schedule
 
 NEVER = -1
 MOST_KEPT = 64  # maps of up to 2 MB: sessions have one each; where photos have, most are too old
+# A sun that moves on while its shadows stay goes astray: nothing says that they fall elsewhere.
+FAR_DEG = 1.0
 STEPS = 255  # in which the share of the sun that reaches a Gaussian is kept
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """How much of a photo's sun reaches each Gaussian.
+
+    Attributes:
+        since: The iteration of which it is.
+        sun: Unit vector to where the sun stood then.
+        shares: Of the foreground, in `STEPS`.
+    """
+
+    since: int
+    sun: Float[Tensor, "3"]
+    shares: UInt8[Tensor, "f"]
+
+    def has_moved(self, sun: PointSun) -> bool:
+        """Whether the sun has gone so far that its shadows fall elsewhere."""
+        return float((self.sun * sun.direction.detach()).sum()) < cos(radians(FAR_DEG))
 
 
 @dataclass
@@ -30,12 +52,11 @@ class SunShadows:
 
     Attributes:
         cast: By row of the appearance embedding: the iteration of which the map is, and the map.
-        reached: By photo: the iteration of which it is, and how much of its sun reaches each
-            Gaussian of the foreground, in `STEPS`.
+        reached: By photo.
     """
 
     cast: dict[int, tuple[int, SunShadow]] = field(default_factory=dict)
-    reached: dict[int, tuple[int, UInt8[Tensor, "f"]]] = field(default_factory=dict)
+    reached: dict[int, Reached] = field(default_factory=dict)
 
     def of(
         self,
@@ -59,13 +80,13 @@ class SunShadows:
         sharp = sun.times(model.description.sharp)
         if iteration < schedule.occlusion_first:
             return Sunlight(sharp, None)
-        since, reached = self.reached.get(photo, (NEVER, None))
-        if reached is None or schedule.is_reach_old(iteration, since):
+        kept = self.reached.get(photo)
+        if kept is None or iteration - kept.since >= schedule.reach_age or kept.has_moved(sun):
             row = model.appearance.rows[photo]
             shadow = self._shadow(model, row, sun, iteration, schedule)
-            reached = (STEPS * reach_in(model, camera, shadow)).round().to(torch.uint8)
-            self.reached[photo] = (iteration, reached)
-        return Sunlight(sharp, reached.float() / STEPS)
+            shares = (STEPS * reach_in(model, camera, shadow)).round().to(torch.uint8)
+            kept = self.reached[photo] = Reached(iteration, sun.direction.detach().clone(), shares)
+        return Sunlight(sharp, kept.shares.float() / STEPS)
 
     def forget_reached(self) -> None:
         """What reaches which Gaussian is unknown where Gaussians have come or gone."""
@@ -85,7 +106,10 @@ class SunShadows:
 
     def tensors(self) -> dict[str, Tensor]:
         """What a checkpoint keeps as arrays, by name."""
-        kept = {f"reached.{photo}": shares for photo, (_, shares) in self.reached.items()}
+        kept = {}
+        for photo, reached in self.reached.items():
+            kept[f"reached.{photo}.sun"] = reached.sun
+            kept[f"reached.{photo}.shares"] = reached.shares
         for row, (_, shadow) in self.cast.items():
             kept[f"{row}.depth"], kept[f"{row}.alpha"] = shadow.depth, shadow.alpha
             kept[f"{row}.pose"] = shadow.camera.cam_from_world
@@ -105,7 +129,7 @@ class SunShadows:
         }
         return {
             "maps": maps,
-            "reached": {str(photo): since for photo, (since, _) in self.reached.items()},
+            "reached": {str(photo): reached.since for photo, reached in self.reached.items()},
         }
 
     @staticmethod
@@ -122,5 +146,6 @@ class SunShadows:
             shadow = SunShadow(camera, depth, alpha, nearest, bias, softness)
             kept.cast[int(row)] = (int(since), shadow)
         for photo, since in record["reached"].items():
-            kept.reached[int(photo)] = (int(since), tensors[f"reached.{photo}"])
+            sun, shares = (tensors[f"reached.{photo}.{part}"] for part in ("sun", "shares"))
+            kept.reached[int(photo)] = Reached(int(since), sun, shares)
         return kept
