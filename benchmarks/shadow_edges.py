@@ -102,8 +102,9 @@ def seen_sun(evaluated: EvaluatedScene, view: View) -> NDArray[np.float64] | Non
     if sun is None or not model.description.has_point_sun:
         return None
     depth = render_model(model, view.camera, light.sh, None).depth
+    is_covered = torch.ones_like(depth, dtype=torch.bool)
     shadow = shadow_in(model, sun.direction)
-    shown: NDArray[np.float64] = shadow.seen_from(view.camera, depth).double().numpy()
+    shown: NDArray[np.float64] = shadow.seen_from(view.camera, depth, is_covered).double().numpy()
     return shown
 
 

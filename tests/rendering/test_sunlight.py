@@ -127,7 +127,7 @@ def test_the_kernel_shades_as_the_plain_form(model, camera):
 class _Left(SunShadow):
     """The sun reaches what lies left of the picture's middle alone."""
 
-    def seen_from(self, camera, depth):
+    def seen_from(self, camera, depth, is_covered):  # noqa: ARG002
         lit = torch.zeros_like(depth)
         lit[:, : camera.width // 2] = 1.0
         return lit
