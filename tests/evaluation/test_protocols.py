@@ -65,7 +65,7 @@ def test_the_linear_protocol_finds_angle_and_exposure(tiny, exposure):
 
 
 def test_oracles_say_so():
-    oracles = {p.name for p in PROTOCOLS if p.is_oracle}
+    oracles = {p.facts.name for p in PROTOCOLS if p.facts.is_oracle}
     assert oracles == {"nerf-osr", "full-yaw", "nerf-osr-linear", "half-image"}
 
 
@@ -96,7 +96,9 @@ def test_figures_are_means_over_the_eroded_mask_alone(tiny):
 
 def test_which_views_are_covered(tiny):
     covered = {
-        protocol.name: [v.name for v in tiny.evaluated.scene.views if protocol.covers(v)]
+        protocol.facts.name: [
+            v.name for v in tiny.evaluated.scene.views if protocol.facts.covers(v)
+        ]
         for protocol in PROTOCOLS
     }
     assert covered == {

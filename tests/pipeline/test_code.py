@@ -13,11 +13,9 @@ from r3gw.pipeline.code import StageCode
 
 pytestmark = pytest.mark.slow
 
-# These name the protocols, which render.
-SCORED = {"evaluate", "tables", "study", "figures", "report"}
-USING = SCORED | {"doctor"}
+USING = {"evaluate", "study", "figures", "report", "doctor"}
 DRAWN = USING | {"page"}
-STAGES = {"generate", "import", "masks", "initialise", "train", "mask-sheet"} | DRAWN
+STAGES = {"generate", "import", "masks", "initialise", "train", "mask-sheet", "tables"} | DRAWN
 
 # By what is edited: the stages that run again. No other does.
 EDITS = {
@@ -39,7 +37,8 @@ EDITS = {
     "rendering/compose.py": {"train"} | USING,
     "rendering/cook_torrance.py": {"train"} | DRAWN,
     "raster/reference.py": {"train"} | DRAWN,
-    "evaluation/protocols/swept.py": SCORED,
+    "evaluation/protocols/swept.py": {"evaluate"},
+    "evaluation/protocols/facts.py": {"evaluate", "tables", "study", "figures", "report"},
     "evaluation/scoring.py": set(),
     "relight/cameras.py": {"page"},
     "relight/film.py": set(),
@@ -56,7 +55,7 @@ EDITS = {
     "pipeline/study.py": {"doctor"},
     "pipeline/doctor/cost.py": {"doctor"},
     "pipeline/code.py": set(),
-    "lighting/daylight.py": {"generate"} | DRAWN,
+    "lighting/daylight.py": {"generate", "tables"} | DRAWN,
     "files/atomic.py": STAGES,
     "cli/use.py": set(),
     "cli/sections.py": set(),
@@ -151,6 +150,18 @@ def test_what_python_loads_is_in_the_closure(package, stage, module):
     loaded = set(done.stdout.split())
     assert module in loaded
     assert loaded - StageCode(package).modules(stage) == set()
+
+
+@pytest.mark.parametrize(
+    "module", ["r3gw.masks.stage", "r3gw.reporting.tables.stage", "r3gw.pipeline.doctor.training"]
+)
+def test_stages_without_tensors_start_without_torch(module):
+    """It takes a second to load, more than these stages work."""
+    program = f"import sys, {module}; print('torch' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "False"
 
 
 def test_an_extension_of_unknown_sources_is_refused(tmp_path):

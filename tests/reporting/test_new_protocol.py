@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 from support.made_up_runs import RED, make_run, make_scene, plain
 
-from r3gw.evaluation.protocols import registry
-from r3gw.evaluation.protocols.base import ViewProtocol
+from r3gw.evaluation.protocols import facts
+from r3gw.evaluation.protocols.facts import ProtocolFacts
+from r3gw.evaluation.protocols.registry import PROTOCOLS
 from r3gw.imaging.files import read_rgb, write_image
 from r3gw.reporting.figures.grids import view_grid
 from r3gw.reporting.figures.plots import study_plot
@@ -20,29 +21,22 @@ from r3gw.reporting.tables.stage import write_ablation_tables, write_main_tables
 from r3gw.reporting.tables.study import study_table
 from r3gw.scene import load_scene
 
-
-class Dusk(ViewProtocol):
-    """Test views as they look at dusk."""
-
-    name = "dusk"
-    version = 1
-    split = "test"
-    suffix = "_dusk"
-    title = "the sun just set"
-    light_title = "dusk"
-    rank = -1
-    extra_fields = ("bats",)
-    is_pictured = True
-    study_metrics = ("psnr",)
-
-    def evaluate(self, trained, view):
-        raise NotImplementedError
+DUSK = ProtocolFacts(
+    name="dusk",
+    suffix="_dusk",
+    title="the sun just set",
+    light_title="dusk",
+    rank=-1,
+    extra_fields=("bats",),
+    is_pictured=True,
+    study_metrics=("psnr",),
+)
 
 
 @pytest.fixture
 def results(tmp_path, monkeypatch):
     """A made-up scene with two runs that were scored at dusk too."""
-    monkeypatch.setattr(registry, "PROTOCOLS", (*registry.PROTOCOLS, Dusk()))
+    monkeypatch.setattr(facts, "PROTOCOLS", (*facts.PROTOCOLS, DUSK))
     make_scene(tmp_path / "x" / "scene", with_test=True)
     for psnr, variant in ((12.0, "full"), (11.0, "no_specular")):
         run = make_run(tmp_path / "x" / variant / "seed0", variant, with_test=True)
@@ -106,6 +100,10 @@ def test_it_stands_in_the_report_and_in_studies(results):
 
 def test_protocols_do_not_share_names_columns_or_ranks():
     for field in ("name", "suffix", "title", "light_title", "rank"):
-        values = [getattr(protocol, field) for protocol in registry.PROTOCOLS]
+        values = [getattr(protocol, field) for protocol in facts.PROTOCOLS]
         assert len(set(values)) == len(values), field
-    assert np.isfinite([protocol.rank for protocol in registry.PROTOCOLS]).all()
+    assert np.isfinite([protocol.rank for protocol in facts.PROTOCOLS]).all()
+
+
+def test_every_protocol_that_tables_know_is_scored_by_one_class():
+    assert [protocol.facts for protocol in PROTOCOLS] == list(facts.PROTOCOLS)

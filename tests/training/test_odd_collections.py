@@ -87,6 +87,8 @@ def test_every_collection_ends_with_a_finite_model(case, settings):
 
 
 def test_a_photo_at_night_has_a_dark_camera_and_the_light_of_the_others(settings):
+    gains = settings.gains.model_copy(update={"enabled": True})
+    settings = settings.model_copy(update={"gains": gains})
     model = trained(CASES["one at night"](), settings)
     dark = model.appearance.gains().detach()[2]
     assert float(dark.log().mean().exp()) == pytest.approx(1 / DARK, rel=0.3)

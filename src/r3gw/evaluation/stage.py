@@ -19,7 +19,8 @@ from r3gw.evaluation.cost import measured_cost
 from r3gw.evaluation.decomposition import light_records, sky_records, surface_records
 from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.gallery import write_gallery
-from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.evaluation.protocols.base import Outcome
+from r3gw.evaluation.protocols.facts import ProtocolFacts
 from r3gw.evaluation.protocols.registry import PROTOCOLS
 from r3gw.files import InputError, write_json
 from r3gw.files.strict import read_json
@@ -101,13 +102,13 @@ def _protocol_records(evaluated: EvaluatedScene, folder: Path, scene: str) -> li
     for view in tqdm(evaluated.scene.views, desc=f"evaluating {scene}", unit="view", leave=False):
         outcomes, well_seen = [], coverage.share(view.camera)
         for protocol in PROTOCOLS:
-            outcome = protocol.evaluate(evaluated, view) if protocol.covers(view) else None
+            outcome = protocol.evaluate(evaluated, view) if protocol.facts.covers(view) else None
             if outcome is None:
                 continue
-            outcomes.append((protocol.rank, outcome))
-            records.append(_record(protocol, view, scene, outcome) | {"well_seen": well_seen})
+            outcomes.append((protocol.facts.rank, outcome))
+            records.append(_record(protocol.facts, view, scene, outcome) | {"well_seen": well_seen})
             if view.split == "test" or view.name in pictured:
-                path = folder / protocol.name / f"{view.name}.png"
+                path = folder / protocol.facts.name / f"{view.name}.png"
                 write_image(path, bytes_from_display(outcome.picture))
         if outcomes and (view.split == "test" or view.name in pictured):
             _, shown = min(outcomes, key=lambda ranked: ranked[0])
@@ -115,7 +116,7 @@ def _protocol_records(evaluated: EvaluatedScene, folder: Path, scene: str) -> li
     return records
 
 
-def _record(protocol: ViewProtocol, view: View, scene: str, outcome: Outcome) -> dict[str, Any]:
+def _record(protocol: ProtocolFacts, view: View, scene: str, outcome: Outcome) -> dict[str, Any]:
     return {
         "scene": scene,
         "view": view.name,

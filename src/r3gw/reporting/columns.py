@@ -9,9 +9,8 @@ from statistics import fmean
 from typing import Any
 
 from r3gw.evaluation.metrics import METRICS
-from r3gw.evaluation.protocols import registry
-from r3gw.evaluation.protocols.base import ViewProtocol
-from r3gw.evaluation.protocols.exact import Exact
+from r3gw.evaluation.protocols import facts
+from r3gw.evaluation.protocols.facts import EXACT, ProtocolFacts
 
 Record = Mapping[str, Any]
 
@@ -33,28 +32,28 @@ DECOMPOSITION = (
 
 def metric_columns() -> list[str]:
     """Metrics of all protocols."""
-    return [f"{metric}{each.suffix}" for each in registry.PROTOCOLS for metric in METRICS]
+    return [f"{metric}{each.suffix}" for each in facts.PROTOCOLS for metric in METRICS]
 
 
 def gain_columns() -> dict[str, str]:
     """What protocols bring over the true light: column by name of the protocol."""
-    return {each.name: each.gain_column for each in registry.PROTOCOLS if each.gain_column}
+    return {each.name: each.gain_column for each in facts.PROTOCOLS if each.gain_column}
 
 
 def all_columns() -> list[str]:
     """Every figure that a run may have."""
-    extras = [f"{field}{each.suffix}" for each in registry.PROTOCOLS for field in each.extra_fields]
+    extras = [f"{field}{each.suffix}" for each in facts.PROTOCOLS for field in each.extra_fields]
     return [*metric_columns(), *gain_columns().values(), *extras, *DECOMPOSITION]
 
 
-def bare_protocol() -> ViewProtocol:
+def bare_protocol() -> ProtocolFacts:
     """The protocol whose columns have no suffix."""
-    return next(each for each in registry.PROTOCOLS if not each.suffix)
+    return next(each for each in facts.PROTOCOLS if not each.suffix)
 
 
-def pictured_protocols() -> list[ViewProtocol]:
+def pictured_protocols() -> list[ProtocolFacts]:
     """The protocols whose pictures are shown, the best way to show a view first."""
-    pictured = [each for each in registry.PROTOCOLS if each.is_pictured]
+    pictured = [each for each in facts.PROTOCOLS if each.is_pictured]
     return sorted(pictured, key=lambda protocol: protocol.rank)
 
 
@@ -66,11 +65,11 @@ def figures_of(images: Sequence[Record], decomposition: Sequence[Record]) -> dic
         decomposition: What was compared with ground truth, and the sky's outline.
     """
     found: dict[str, float] = {}
-    for protocol in registry.PROTOCOLS:
+    for protocol in facts.PROTOCOLS:
         means = _means(_of(images, protocol), (*METRICS, *protocol.extra_fields))
         found |= {f"{field}{protocol.suffix}": value for field, value in means.items()}
-    exact = {record["view"]: record["psnr"] for record in _of(images, Exact)}
-    for protocol in registry.PROTOCOLS:
+    exact = {record["view"]: record["psnr"] for record in _of(images, EXACT)}
+    for protocol in facts.PROTOCOLS:
         shared = [record for record in _of(images, protocol) if record["view"] in exact]
         if protocol.gain_column and shared:
             gains = [record["psnr"] - exact[record["view"]] for record in shared]
@@ -78,7 +77,7 @@ def figures_of(images: Sequence[Record], decomposition: Sequence[Record]) -> dic
     return {**found, **_means(decomposition, DECOMPOSITION)}
 
 
-def _of(images: Sequence[Record], protocol: ViewProtocol | type[ViewProtocol]) -> list[Record]:
+def _of(images: Sequence[Record], protocol: ProtocolFacts) -> list[Record]:
     return [record for record in images if record["protocol"] == protocol.name]
 
 

@@ -5,20 +5,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from r3gw.evaluation.protocols import registry
+from r3gw.evaluation.protocols import facts
 from r3gw.files import InputError
 from r3gw.imaging.files import read_linear, read_rgb
-from r3gw.lighting.light import Light
-from r3gw.relight.files.lights_file import read_lights
 from r3gw.reporting.columns import Record, figures_of
 from r3gw.reporting.methods import method_of
 from r3gw.reporting.relit import Relit, read_relit
 from r3gw.scene import Scene, View
+
+if TYPE_CHECKING:
+    import r3gw.lighting.light
 
 
 @dataclass(frozen=True)
@@ -73,12 +75,16 @@ class Run:
         return cost
 
     @cached_property
-    def lights(self) -> Mapping[str, Light]:
+    def lights(self) -> Mapping[str, "r3gw.lighting.light.Light"]:
         """Per training photo the light and sky that were learned for it.
+
+        Only pictures need them, so torch is not loaded for tables.
 
         Raises:
             InputError: If the evaluation did not write them.
         """
+        from r3gw.relight.files.lights_file import read_lights
+
         _existing(self.folder / "lights.json")
         return read_lights(self.folder)
 
@@ -137,7 +143,7 @@ class Run:
 
     def protocol_of(self, view: str) -> str:
         """The protocol that shows the view best: the one of the lowest rank."""
-        ranked = sorted(registry.PROTOCOLS, key=lambda protocol: protocol.rank)
+        ranked = sorted(facts.PROTOCOLS, key=lambda protocol: protocol.rank)
         return next(each.name for each in ranked if (view, each.name) in self.records)
 
 

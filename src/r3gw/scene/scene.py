@@ -1,14 +1,16 @@
 """The imported scene: ``scene.json`` and the files beside it, whatever format it came from.
 
 All paths inside are relative to the folder of ``scene.json``, so a scene folder can be moved.
+
+torch, which poses need, is imported by what makes one: stages that read names alone (masks, tables)
+start a second sooner without it.
 """
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
@@ -16,10 +18,12 @@ from r3gw.files import InputError, write_json
 from r3gw.files.names import inside, leads_outside
 from r3gw.files.npz import Array, read_npz, write_npz
 from r3gw.files.strict import Strict, read_yaml, validated
-from r3gw.geometry.cameras import Camera
-from r3gw.geometry.similarity import Similarity
 from r3gw.imaging.formats import MOST_PIXELS
 from r3gw.scene.sun_position import SunPosition
+
+if TYPE_CHECKING:
+    import r3gw.geometry.cameras
+    import r3gw.geometry.similarity
 
 _ARRAYS = {"xyz": Array(np.float32, (None, 3)), "rgb": Array(np.uint8, (None, 3))}
 
@@ -102,8 +106,12 @@ class View(Strict):
     truth: GroundTruth | None = None
 
     @property
-    def camera(self) -> Camera:
+    def camera(self) -> "r3gw.geometry.cameras.Camera":
         """The view's camera."""
+        import torch
+
+        from r3gw.geometry.cameras import Camera
+
         cam_from_world = torch.tensor(self.cam_from_world, dtype=torch.float64)
         return Camera(cam_from_world, self.intrinsics, self.width, self.height)
 
@@ -124,7 +132,7 @@ class Gauge(Strict):
         return rows
 
     @staticmethod
-    def of(similarity: Similarity) -> "Gauge":
+    def of(similarity: "r3gw.geometry.similarity.Similarity") -> "Gauge":
         """Record a similarity transform."""
         values = {
             "scale": similarity.scale,
@@ -134,8 +142,12 @@ class Gauge(Strict):
         return Gauge.model_validate(values)
 
     @property
-    def similarity(self) -> Similarity:
+    def similarity(self) -> "r3gw.geometry.similarity.Similarity":
         """The recorded transform."""
+        import torch
+
+        from r3gw.geometry.similarity import Similarity
+
         rotation = torch.tensor(self.rotation, dtype=torch.float64)
         return Similarity(self.scale, rotation, torch.tensor(self.translation, dtype=torch.float64))
 
@@ -153,7 +165,7 @@ class Scene(Strict):
     scene_from_source: Gauge
 
     @property
-    def source_from_scene(self) -> Similarity:
+    def source_from_scene(self) -> "r3gw.geometry.similarity.Similarity":
         """Back to the frame and scale in which the photos were given, for exports.
 
         Its `points` and `camera` map positions and cameras; lengths grow by its ``scale``, and

@@ -11,6 +11,7 @@ from torch import Tensor
 from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.evaluation.protocols.facts import EXACT
 from r3gw.imaging.colour import display_array_from_linear
 from r3gw.imaging.files import read_linear
 from r3gw.lighting.irradiance import irradiance
@@ -24,17 +25,7 @@ class Exact(ViewProtocol):
     light: what a method without cast shadows can reach at best, reflections aside.
     """
 
-    name = "exact"
-    version = 1
-    split = "test"
-    needs = ("truth",)
-    suffix = "_exact"
-    title = "true light, nothing chosen"
-    light_title = "true light"
-    rank = 0
-    extra_fields = ("oracle_psnr",)
-    is_pictured = True
-    study_metrics = ("psnr", "ssim")
+    facts = EXACT
 
     def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Render under the true light; ``oracle_psnr`` bounds what to expect."""

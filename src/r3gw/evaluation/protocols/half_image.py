@@ -14,6 +14,7 @@ from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.fitted_light import Target, fitted_light
 from r3gw.evaluation.metrics import score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.evaluation.protocols.facts import HALF_IMAGE
 from r3gw.model.lights import photographed_light
 from r3gw.scene import View
 from r3gw.scene.selection import evenly
@@ -33,17 +34,7 @@ class HalfImage(ViewProtocol):
     (``_foreground``) over those that are not sky.
     """
 
-    name = "half-image"
-    version = 2
-    is_oracle = True  # by the half of the photo that is not scored
-    split = "test"
-    suffix = "_half"
-    title = "light fitted to the photo's left half, its right half scored"
-    light_title = "light of the left half"
-    rank = 5
-    extra_fields = ("psnr_foreground", "ssim_foreground")
-    is_pictured = True
-    study_metrics = ("psnr", "ssim")
+    facts = HALF_IMAGE
 
     def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome | None:
         """Fit left, score right; None where either half has hardly any valid pixels."""

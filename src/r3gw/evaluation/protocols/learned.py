@@ -6,6 +6,7 @@ from typing import Any
 from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.evaluation.protocols.facts import LEARNED
 from r3gw.model.lights import photographed_light
 from r3gw.scene import View
 
@@ -13,16 +14,7 @@ from r3gw.scene import View
 class Learned(ViewProtocol):
     """Training views under the light and sky that were learned for them, passers-by left out."""
 
-    name = "learned"
-    version = 1
-    split = "train"
-    suffix = "_learned"
-    title = "training views under their own lights"
-    light_title = "learned light"
-    rank = 1
-    extra_fields = ("psnr_foreground",)
-    is_pictured = True
-    study_metrics = ("psnr",)
+    facts = LEARNED
 
     def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Score all valid pixels, and once more (``psnr_foreground``) those that are not sky."""

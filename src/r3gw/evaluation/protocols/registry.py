@@ -1,7 +1,7 @@
-"""All evaluation protocols.
+"""Who renders and scores under each protocol.
 
-To add one, write a `ViewProtocol` in a module of its own and name it here: columns of the tables,
-titles, pictures and studies follow from what it says of itself.
+To add one, say what it is (`r3gw.evaluation.protocols.facts`), write a `ViewProtocol` in a module
+of its own and name it here: columns of the tables, titles, pictures and studies follow.
 """
 
 from r3gw.evaluation.protocols.base import ViewProtocol
@@ -10,7 +10,6 @@ from r3gw.evaluation.protocols.half_image import HalfImage
 from r3gw.evaluation.protocols.learned import Learned
 from r3gw.evaluation.protocols.swept import FullYaw, NerfOsr, NerfOsrLinear
 
-# In the order in which tables show them.
 PROTOCOLS: tuple[ViewProtocol, ...] = (
     NerfOsr(),
     FullYaw(),

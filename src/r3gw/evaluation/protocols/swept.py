@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 from r3gw.evaluation.evaluated_scene import EvaluatedScene
 from r3gw.evaluation.metrics import masked_psnr, score
 from r3gw.evaluation.protocols.base import Outcome, ViewProtocol
+from r3gw.evaluation.protocols.facts import FULL_YAW, NERF_OSR, NERF_OSR_LINEAR
 from r3gw.evaluation.protocols.published import at_sun_angle, published_light
 from r3gw.imaging.colour import GAMMA
 from r3gw.model.lights import learned_strength
@@ -27,18 +28,7 @@ class NerfOsr(ViewProtocol):
     not made linear, the sky is white.
     """
 
-    name = "nerf-osr"
-    version = 1
-    is_oracle = True
-    split = "test"
-    needs = ("evaluation",)
-    suffix = ""
-    title = "published angles, the best chosen by an oracle"
-    light_title = "nerf-osr"
-    rank = 2
-    gain_column: str | None = "sweep_gain_psnr"
-    is_pictured = True
-    study_metrics: tuple[str, ...] = ("psnr", "ssim")
+    facts = NERF_OSR
 
     def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Sweep the sun, keep the best angle; the whole curve is in the figures."""
@@ -47,20 +37,13 @@ class NerfOsr(ViewProtocol):
         return _swept(evaluated, view, view.evaluation, angles_rad)
 
 
-class FullYaw(NerfOsr):
+class FullYaw(ViewProtocol):
     """`NerfOsr` with the whole circle to choose from, in steps of 7.5 degrees.
 
     What the published range of angles, itself prior knowledge, is worth. The same oracle chooses.
     """
 
-    name = "full-yaw"
-    suffix = "_full_yaw"
-    title = "whole circle, the best angle chosen by an oracle"
-    light_title = "full-yaw"
-    rank = 3
-    gain_column = "full_yaw_gain_psnr"
-    is_pictured = False
-    study_metrics = ()
+    facts = FULL_YAW
 
     def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Sweep the sun around the circle, keep the best angle."""
@@ -69,7 +52,7 @@ class FullYaw(NerfOsr):
         return _swept(evaluated, view, view.evaluation, angles_rad)
 
 
-class NerfOsrLinear(NerfOsr):
+class NerfOsrLinear(ViewProtocol):
     """`NerfOsr` with the map made linear; the oracle chooses its exposure, too.
 
     The published protocol takes display values for light: shade comes out too bright, and a clipped
@@ -77,14 +60,7 @@ class NerfOsrLinear(NerfOsr):
     that suits the test photo best, for every method alike.
     """
 
-    name = "nerf-osr-linear"
-    suffix = "_linear"
-    title = "linear maps, angle and exposure by an oracle"
-    light_title = "nerf-osr-linear"
-    rank = 4
-    gain_column = None
-    is_pictured = False
-    study_metrics = ("psnr",)
+    facts = NERF_OSR_LINEAR
 
     def evaluate(self, evaluated: EvaluatedScene, view: View) -> Outcome:
         """Sweep the sun, keep the best angle and exposure; ``exposure`` is relative to the map."""

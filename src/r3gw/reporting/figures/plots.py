@@ -7,8 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from r3gw.evaluation.protocols.exact import Exact
-from r3gw.evaluation.protocols.swept import FullYaw, NerfOsr
+from r3gw.evaluation.protocols.facts import EXACT, FULL_YAW, NERF_OSR
 from r3gw.reporting.figures.style import COLOURS, new_figure
 from r3gw.reporting.runs import Run
 from r3gw.reporting.tables.study import Compared, compared_figures
@@ -45,7 +44,7 @@ def training_plot(runs: Sequence[Run]) -> Figure:
 
 def is_swept(run: Run) -> bool:
     """Whether there is a sweep to plot."""
-    return any(protocol == NerfOsr.name for _, protocol in run.records)
+    return any(protocol == NERF_OSR.name for _, protocol in run.records)
 
 
 def sweep_plot(run: Run) -> Figure:
@@ -53,23 +52,23 @@ def sweep_plot(run: Run) -> Figure:
 
     The dot is the oracle's choice; the dashed line is the PSNR under the true light, if known.
     """
-    swept = [view for view, protocol in run.records if protocol == NerfOsr.name]
+    swept = [view for view, protocol in run.records if protocol == NERF_OSR.name]
     columns = min(4, len(swept))
     lines = -(-len(swept) // columns)
     figure = new_figure(1.9 * columns, 1.7 * lines + 0.3)
     for number, view in enumerate(swept):
-        record = run.records[view, NerfOsr.name]
+        record = run.records[view, NERF_OSR.name]
         axes = figure.add_subplot(lines, columns, number + 1)
         angles_deg = np.degrees(record["sweep_angles_rad"])
         best_deg = np.degrees(record["angle_rad"])
-        if (view, FullYaw.name) in run.records:
-            circle = run.records[view, FullYaw.name]
+        if (view, FULL_YAW.name) in run.records:
+            circle = run.records[view, FULL_YAW.name]
             at = np.degrees(circle["sweep_angles_rad"])
             axes.plot(at, circle["sweep_psnr"], color=CIRCLE_COLOUR, label="full-yaw sweep")
         axes.plot(angles_deg, record["sweep_psnr"], color=COLOURS[0], label="nerf-osr sweep")
         axes.plot(best_deg, record["psnr"], "o", color=COLOURS[1], ms=4, label="oracle's choice")
-        if (view, Exact.name) in run.records:
-            exact = run.records[view, Exact.name]["psnr"]
+        if (view, EXACT.name) in run.records:
+            exact = run.records[view, EXACT.name]["psnr"]
             axes.axhline(exact, color=COLOURS[2], linestyle=DASHES, label="true light")
         axes.set_title(view, size=6)
         axes.set_xlabel("sun angle (degrees)")

@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 from r3gw.evaluation.metrics import METRICS
-from r3gw.evaluation.protocols import registry
+from r3gw.evaluation.protocols import facts
 
 DIGITS = {"psnr": 2, "ssim": 3, "mse": 3, "mae": 3}
 HIGHER_IS_BETTER = {"psnr", "ssim"}
@@ -76,7 +76,7 @@ def panels(frame: pd.DataFrame, places: Sequence[str]) -> Iterator[Panel]:
         places: Scenes, then "avg".
     """
     is_published = frame["group"].str.startswith("published")
-    for protocol in registry.PROTOCOLS:
+    for protocol in facts.PROTOCOLS:
         title = f"protocol {protocol.name}: {protocol.title}"
         for rows, origin in ((frame[is_published], "published, "), (frame[~is_published], "")):
             printed = {

@@ -13,7 +13,7 @@ from statistics import fmean
 import pandas as pd
 
 from r3gw.evaluation.metrics import METRICS
-from r3gw.evaluation.protocols import registry
+from r3gw.evaluation.protocols import facts
 from r3gw.files import InputError
 from r3gw.reporting.changes import changes, read_settings
 from r3gw.reporting.runs import Run, load_runs
@@ -58,7 +58,7 @@ class Compared:
 
 def compared_figures() -> list[Compared]:
     """What a study shows: what protocols name for it, PSNR first, then the sky's outline."""
-    ranked = sorted(registry.PROTOCOLS, key=lambda protocol: protocol.rank)
+    ranked = sorted(facts.PROTOCOLS, key=lambda protocol: protocol.rank)
     of_protocols = [
         Compared(
             f"{metric}{each.suffix}",
