@@ -36,7 +36,7 @@ from r3gw.training.photos import camera_extent, load_photos
 from r3gw.training.resolution import PhotoSizes
 from r3gw.training.schedule import Schedule
 from r3gw.training.settings import TrainSettings
-from r3gw.training.start import initial_model
+from r3gw.training.start import model_of_photos
 from r3gw.training.state import first_state
 
 TARGET = Path("results/benchmarks/time_to_quality.csv")
@@ -53,13 +53,9 @@ class Run:
         photos = load_photos(self.scene, place / "scene", place / "masks")
         settings = with_first_values(settings, photos)
         views = self.scene.split("train")
-        model = initial_model(
-            load_initial(place / "initial.npz"),
-            tuple(photo.name for photo in photos),
-            settings,
-            tuple(view.session or view.name for view in views),
-            [photo.seen_sky for photo in photos],
-        )
+        sessions = tuple(view.session or view.name for view in views)
+        initial = load_initial(place / "initial.npz")
+        model = model_of_photos(initial, photos, settings, sessions)
         self.state, self.schedule = first_state(model, settings), Schedule.of(settings)
         self.sizes = PhotoSizes(photos, self.schedule)
         self.extent = camera_extent([photo.camera for photo in photos])

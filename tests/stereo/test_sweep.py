@@ -187,9 +187,21 @@ def test_hundreds_of_photos_start_from_no_more_than_training_bears(tmp_path, mon
     monkeypatch.setattr("r3gw.stereo.points.MOST_FOUND", 100)
     monkeypatch.setattr("r3gw.stereo.points.MOST_GUESSED", 20)
     found = dense_points(
-        wall_scene(tmp_path, 0), tmp_path, tmp_path / "masks", sparse_points().float()
+        wall_scene(tmp_path, 1), tmp_path, tmp_path / "masks", sparse_points().float()
     )
     assert len(found) == 120
+
+
+def test_photos_without_any_marked_sky_get_no_guesses(tmp_path, monkeypatch):
+    """A guess continues depths upwards, where sky may be that nobody marked."""
+    monkeypatch.setattr("r3gw.stereo.points.MOST_FOUND", 0)
+    points = sparse_points().float()
+    found = {
+        rows: dense_points(wall_scene(tmp_path, rows), tmp_path, tmp_path / "masks", points)
+        for rows in (0, 1)
+    }
+    assert len(found[0]) == 0
+    assert len(found[1]) > 100
 
 
 def test_photos_that_share_nothing_give_no_points(tmp_path, caplog):

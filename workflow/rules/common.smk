@@ -132,6 +132,15 @@ def benchmark_json(wildcards):
     return CONFIG.scenes[wildcards.scene].source.benchmark().model_dump_json()
 
 
+def import_threads(wildcards):
+    """Two where features of photos may be matched; one where cameras and points are known.
+
+    A job that wants all cores waits until every other has ended: the embedded scenes' imports, of
+    three seconds, kept a core idle for a minute.
+    """
+    return 1 if wildcards.scene in SYNTHETIC else 2
+
+
 def source_json(wildcards):
     """The half of a scene's config entry that is about its source, as JSON."""
     return CONFIG.scenes[wildcards.scene].source.model_dump_json()

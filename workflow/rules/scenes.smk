@@ -27,7 +27,7 @@ rule import_scene:
     log:
         "logs/import/{scene}.log",
     priority: 10
-    threads: 2
+    threads: import_threads
     params:
         code=code_of("import"),
         entry=source_json,

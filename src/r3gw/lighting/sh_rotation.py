@@ -28,7 +28,7 @@ def rotate(
     before = sh.basis(directions @ rotation.double(), degree)  # rows: R^T d
     # radiance after(d) = before(R^T d): solve after @ new = before @ old in least squares.
     turned: Tensor = torch.linalg.lstsq(after, before @ coefficients.double()).solution
-    return turned.to(coefficients.dtype)
+    return turned.to(coefficients.dtype).contiguous()
 
 
 @lru_cache(maxsize=4)

@@ -114,13 +114,20 @@ class Appearance(nn.Module):
         return PhotoLight(lit.light * gains, sky_with_gains(lit.sky_light, gains), open_sky, sun)
 
     def gains(self) -> Float[Tensor, "photos 3"]:
-        """Exposure times white balance of every photo; their geometric mean over photos is 1.
+        """Exposure times white balance of every photo; their median over photos is 1.
 
-        So they never take what is the scene's: its colour, or how bright it is.
+        So they never take what is the scene's: its colour, or how bright it is. A mean would let
+        one photo taken at night change how bright all others are.
         """
         if self.log_gains is None:
             return self.embedding.new_ones(len(self.rows), 3)
-        return (self.log_gains - self.log_gains.mean(dim=0)).exp()
+        return (self.log_gains - self.log_gains.detach().median(dim=0).values).exp()
+
+    @torch.no_grad()
+    def set_gains(self, gains: Float[Tensor, "photos 3"]) -> None:
+        """Let photos begin with these gains, where they have any."""
+        if self.log_gains is not None:
+            self.log_gains.copy_(gains.log())
 
     def scene_light(self, photo: int) -> PhotoLight:
         """What lights the scene in one training photo, whatever its camera made of it."""

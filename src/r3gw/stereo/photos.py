@@ -42,12 +42,14 @@ class StereoPhoto:
         grey: 0 to 1.
         is_matched: False on sky and on occluders.
         known: The scene's sparse points as this photo's camera sees them.
+        has_sky: Whether any sky is marked in it; if not, some of it may be sky all the same.
     """
 
     camera: Camera
     grey: Float[Tensor, "h w"]
     is_matched: Bool[Tensor, "h w"]
     known: Projected
+    has_sky: bool = True
 
     @property
     def known_depths(self) -> Float[Tensor, "k"]:
@@ -79,6 +81,7 @@ def read_stereo_photo(
         torch.from_numpy(_scaled(grey, width, height)).float() / 255.0,
         torch.from_numpy(_scaled((is_valid & ~is_sky).astype(np.uint8) * 255, width, height) > 127),
         projected(points, camera),
+        bool(is_sky.any()),
     )
 
 

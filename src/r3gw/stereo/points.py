@@ -32,7 +32,8 @@ def dense_points(
     """Points on surfaces that two training photos agree on, and guesses where none do.
 
     A guess continues the depths found around it: what one photo alone shows must lie somewhere,
-    and next to what is known it does less harm to other views than before a lens.
+    and next to what is known it does less harm to other views than before a lens. Photos without
+    any marked sky get no guesses, which might fill a sky that nobody found.
 
     Args:
         scene: The imported scene; photos that are not trained on are not looked at.
@@ -56,13 +57,14 @@ def dense_points(
             continue
         found.append(lifted(depths.depth, is_confirmed, photo.camera))
         sizes.append(depths.depth[is_confirmed] / photo.camera.intrinsics[0])
-        guessed.append(_guesses(photo, depths.depth, is_confirmed))
+        if photo.has_sky:
+            guessed.append(_guesses(photo, depths.depth, is_confirmed))
     if not found:
         _LOG.warning("no two photos agree on a depth: training starts from the sparse points alone")
         return points.new_zeros(0, 3)
     spacing = SPACING_PX * float(torch.cat(sizes).median())
     on_surfaces = _at_most(thinned(torch.cat(found), spacing), MOST_FOUND)
-    between = _at_most(torch.cat(guessed), MOST_GUESSED)
+    between = _at_most(torch.cat([on_surfaces[:0], *guessed]), MOST_GUESSED)
     return torch.cat([on_surfaces, between]).to(points.dtype)
 
 

@@ -10,14 +10,18 @@ albedo that under it looks as bright as the photos' foreground does on average.
 from collections.abc import Callable, Sequence
 
 import torch
+from jaxtyping import Float
+from torch import Tensor
 
 from r3gw.files import InputError
 from r3gw.imaging.colour import linear_from_display
+from r3gw.training.losses.lighting import but_warmth
 from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
 
 FEWEST_PIXELS = 200  # of a kind in a photo, to count
 UNSEEN_SKY = 0.7  # Mean of the skies of the embedded scenes and of Sacre-Coeur, display values.
+DARKEST = 1e-4  # linear: darker photos are taken to be so dark
 ALBEDO_RANGE = (0.1, 0.8)  # Of what outdoor places are made of, on average.
 
 
@@ -69,6 +73,35 @@ def shown_albedo(photos: Sequence[Photo], radiance: float) -> float:
     linear = _foreground_means(photos, linear_from_display)
     low, high = ALBEDO_RANGE
     return round(min(max(_mean(linear) / radiance, low), high), 4)
+
+
+def shown_gains(photos: Sequence[Photo], warmth: float) -> Float[Tensor, "photos 3"]:
+    """Exposure and white balance by which photos of one place look alike on average.
+
+    All photos show the same surfaces, more or less, so that how bright and of which colour their
+    foreground is tells of light and camera together; nothing in a photo tells the two apart, and
+    the light is taken to be alike at first.
+
+    Args:
+        photos: Of one place.
+        warmth: Share of how much warmer or colder they look that is taken for the camera's.
+
+    Returns:
+        Mean linear foreground per channel, over its median over photos; 1 where a photo shows
+        hardly any foreground.
+    """
+    shown = torch.ones(len(photos), 3)
+    is_known = torch.zeros(len(photos), dtype=torch.bool)
+    for row, photo in enumerate(photos):
+        is_meant = ~photo.is_sky & photo.is_valid
+        if int(is_meant.sum()) >= FEWEST_PIXELS:
+            linear = linear_from_display(photo.planes[:, is_meant].float() / 255.0)
+            shown[row] = linear.mean(dim=1).clamp_min(DARKEST)
+            is_known[row] = True
+    if is_known.any():
+        logarithms = shown[is_known].log()
+        shown[is_known] = but_warmth(logarithms - logarithms.median(dim=0).values, warmth).exp()
+    return shown
 
 
 def _display(pixels: torch.Tensor) -> torch.Tensor:

@@ -35,6 +35,7 @@ from r3gw.training.settings import TrainSettings
 from r3gw.training.snapshots import Snapshots
 from r3gw.training.state import TrainingState, first_state
 from r3gw.training.unseen import hold_back_unseen
+from r3gw.training.visible_sky import without_gains
 from r3gw.training.watched import Watched
 
 BAR_INTERVAL_S = (10.0, 0.1)  # in a log file, on a terminal
@@ -120,7 +121,8 @@ def step(
     photo = sizes.photo(index, iteration)
     if schedule.renews_light(iteration):
         seen_skies = [photo.seen_sky for photo in sizes.photos]
-        renew_light(model.appearance, seen_skies)
+        gains = model.appearance.gains().detach()
+        renew_light(model.appearance, without_gains(seen_skies, gains))
     try:
         rendering, loss, parts = objective(
             model, settings, photo, index, iteration, schedule, state.generator, state.sun_shadows

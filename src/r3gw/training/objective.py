@@ -48,8 +48,10 @@ def objective(
     """
     losses = FORMS[settings.losses]
     lit = model.appearance(index)
-    noise = torch.randn(lit.light.shape, generator=generator)
-    noisy = torch.add(lit.light, noise.to(lit.light), alpha=settings.model.light_noise)
+    noise = torch.randn(lit.light.shape, generator=generator).to(lit.light)
+    # Noise is on the scene's light: the camera of a dark photo makes it as much darker.
+    noise = noise * model.appearance.gains()[index].detach()
+    noisy = torch.add(lit.light, noise, alpha=settings.model.light_noise)
     layers = Layers.OPACITY if settings.silhouette.enabled else Layers.COLOUR
     sunlight = None
     if lit.sun is not None:
@@ -66,7 +68,7 @@ def objective(
         photo.is_sky,
         photo.camera,
         acting,
-        settings.silhouette.solid,
+        solid_weight(photo, settings),
     )
     if settings.silhouette.enabled:
         parts = {"silhouette": acting.silhouette * pixels.silhouette}
@@ -86,6 +88,15 @@ def objective(
     ]
     parts |= {name: value_of(loss) for name, loss in others}
     return rendering, sum_of([pixels.total, *(loss for _, loss in others)]), parts
+
+
+def solid_weight(photo: Photo, settings: TrainSettings) -> float:
+    """Weight of what the foreground lets through where no sky is marked.
+
+    0 in a photo without any marked sky: it shows none, or its sky was not found, and then
+    foreground that had to be solid there would stand before the other photos as fog.
+    """
+    return settings.silhouette.solid if bool(photo.is_sky.any()) else 0.0
 
 
 def pulls(splats: Splats, settings: TrainSettings) -> Float[Tensor, "n 2"] | None:
@@ -110,9 +121,9 @@ def gains_losses(
         return
     appearance, weights = model.appearance, settings.gains
     other = int(torch.randint(len(model.photos), (), generator=generator))
-    lights = [appearance.scene_light(photo).light for photo in (index, other)]
+    first, second = (appearance.scene_light(photo).light for photo in (index, other))
     loss = weights.steady * appearance.gains()[index].log().square().sum()
-    yield NamedLoss("gains", loss + weights.alike * unlikeness(*lights))
+    yield NamedLoss("gains", loss + weights.alike * unlikeness(first, second, weights.warmth))
 
 
 def given_normals(

@@ -28,7 +28,7 @@ from r3gw.training.photos import load_photos
 from r3gw.training.run_digest import run_digest, run_parts
 from r3gw.training.settings import TrainSettings, load_train_settings
 from r3gw.training.snapshots import Snapshots
-from r3gw.training.start import initial_model
+from r3gw.training.start import model_of_photos
 from r3gw.training.state import TrainingState
 from r3gw.training.watched import Watched
 
@@ -94,10 +94,8 @@ def run_training(
     asked = load_train_settings(files.settings)
     settings = with_first_values(asked, photos)
     initial = load_initial(files.initial)
-    names = tuple(photo.name for photo in photos)
     sessions = tuple(view.session or view.name for view in imported.split("train"))
-    skies, suns = [photo.seen_sky for photo in photos], [photo.known_sun for photo in photos]
-    start = initial_model(initial, names, settings, sessions, skies, suns=suns)
+    start = model_of_photos(initial, photos, settings, sessions)
     values = asked.model_dump(mode="json")
     parts = run_parts(values, _code(), photos, sessions, initial, num_threads)
     checkpoints = Checkpoints(files.target, parts, checkpoint_s)

@@ -169,11 +169,13 @@ class GainsSettings(Strict):
         steady: Weight: gains stay near 1.
         alike: Weight: lights of photos are alike in brightness and colour, so that a cast that
             either could explain is the camera's.
+        warmth: Share of that for red against blue, by which daylights differ.
     """
 
     enabled: bool
     steady: float = Field(ge=0)
     alike: float = Field(ge=0)
+    warmth: float = Field(ge=0, le=1)
 
 
 class UnseenSettings(Strict):

@@ -13,10 +13,37 @@ from r3gw.model.light_models.base import LightModel
 from r3gw.model.model import SceneModel
 from r3gw.model.rows import OCCLUSION
 from r3gw.model.sky import initial_sky
+from r3gw.training.first_values import shown_gains
 from r3gw.training.known_suns import Suns, suns_by_row
 from r3gw.training.lights.kinds import first_light
+from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
-from r3gw.training.visible_sky import VisibleSky, seen_by_row
+from r3gw.training.visible_sky import VisibleSky, seen_by_row, without_gains
+
+
+def model_of_photos(
+    initial: InitialPoints,
+    photos: Sequence[Photo],
+    settings: TrainSettings,
+    sessions: tuple[str, ...] | None = None,
+) -> SceneModel:
+    """Build the model that training on photos starts from, as these show lights and cameras.
+
+    Args:
+        initial: Points of both sets.
+        photos: The training photos.
+        settings: The settings of the run, with first values (r3gw.training.first_values).
+        sessions: The photos' sessions; by default each photo is a session of its own.
+    """
+    gains = torch.ones(len(photos), 3)
+    if settings.gains.enabled:
+        gains = shown_gains(photos, settings.gains.warmth)
+    skies = without_gains([photo.seen_sky for photo in photos], gains)
+    names = tuple(photo.name for photo in photos)
+    suns = [photo.known_sun for photo in photos]
+    model = initial_model(initial, names, settings, sessions, skies, suns=suns)
+    model.appearance.set_gains(gains)
+    return model
 
 
 def initial_model(

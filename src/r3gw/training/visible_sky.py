@@ -5,7 +5,7 @@ itself, in the same units, so it says how bright, and so how dark the surfaces a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 import torch
@@ -38,6 +38,10 @@ class VisibleSky:
     basis: Float[Tensor, "k 4"]
     radiance: Float[Tensor, "k 3"]
     is_clipped: Bool[Tensor, "k 3"]
+
+    def without(self, gains: Float[Tensor, "3"]) -> "VisibleSky":
+        """The sky as a camera of gains 1 would have shown it."""
+        return replace(self, radiance=self.radiance / gains)
 
 
 def visible_sky(
@@ -96,6 +100,18 @@ def cover_of(colour: Float[Tensor, "3"]) -> float:
     """How covered a sky of a colour is, 0 to 1: grey tells covered from clear."""
     ratio = float(colour[0] / colour[2].clamp_min(1e-6))
     return min(max((ratio - CLEAR_RATIO) / (COVERED_RATIO - CLEAR_RATIO), 0.0), 1.0)
+
+
+def without_gains(
+    seen: Sequence[VisibleSky | None], gains: Float[Tensor, "photos 3"]
+) -> list[VisibleSky | None]:
+    """The skies of photos as cameras of gains 1 would have shown them.
+
+    Args:
+        seen: What each photo shows.
+        gains: Exposure times white balance of each photo.
+    """
+    return [None if sky is None else sky.without(own) for sky, own in zip(seen, gains, strict=True)]
 
 
 def seen_by_row(rows: Sequence[int], seen: Sequence[VisibleSky | None]) -> list[list[VisibleSky]]:

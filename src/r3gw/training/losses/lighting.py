@@ -50,8 +50,20 @@ def visible_sky_loss(
 
 
 def unlikeness(
-    first: Float[Tensor, "coeff 3"], second: Float[Tensor, "coeff 3"]
+    first: Float[Tensor, "coeff 3"], second: Float[Tensor, "coeff 3"], warmth: float
 ) -> Float[Tensor, ""]:
-    """Squared difference of the logarithms of two lights' mean radiances, the sum over channels."""
+    """Squared difference of the logarithms of two lights' mean radiances.
+
+    The sum over channels, but that of red against blue counts ``warmth`` times: daylight is warmer
+    or colder by the hour and the weather, and hardly ever greener or pinker.
+    """
     means = [light[0].clamp_min(DARKEST_MEAN).log() for light in (first, second)]
-    return (means[0] - means[1]).square().sum()
+    return but_warmth(means[0] - means[1], warmth**0.5).square().sum()
+
+
+def but_warmth(logarithms: Float[Tensor, "*batch 3"], share: float) -> Float[Tensor, "*batch 3"]:
+    """Logarithms of colours of whose red against blue a share is left."""
+    half = 0.5 * (1 - share) * (logarithms[..., 0] - logarithms[..., 2])
+    return torch.stack(
+        [logarithms[..., 0] - half, logarithms[..., 1], logarithms[..., 2] + half], dim=-1
+    )
