@@ -33,7 +33,7 @@ from r3gw.imaging.pictures import bytes_from_display
 from r3gw.model.lights import photographed_light
 from r3gw.model.model_file import load_model
 from r3gw.rendering.compose import render as render_model
-from r3gw.rendering.compose import sunlight_of
+from r3gw.rendering.sun_shadow import shadow_in
 from r3gw.scene import View, load_scene
 
 SUNNY = 0.5  # Sessions with less cloud cover than this have shadows to speak of.
@@ -98,11 +98,13 @@ def seen_sun(evaluated: EvaluatedScene, view: View) -> NDArray[np.float64] | Non
     """Share of the sun in each pixel under the true light; None without sharp shadows."""
     assert view.truth is not None  # the caller's choice
     light = evaluated.true_light(view.truth)
-    sunlight = sunlight_of(evaluated.model, light.point)
-    if sunlight is None or sunlight.shadow is None:
+    model, sun = evaluated.model, light.point
+    if sun is None or not model.description.has_point_sun:
         return None
-    depth = render_model(evaluated.model, view.camera, light.sh, None).depth
-    shown: NDArray[np.float64] = sunlight.shadow.seen_from(view.camera, depth).double().numpy()
+    depth = render_model(model, view.camera, light.sh, None).depth
+    is_covered = torch.ones_like(depth, dtype=torch.bool)
+    shadow = shadow_in(model, sun.direction)
+    shown: NDArray[np.float64] = shadow.seen_from(view.camera, depth, is_covered).double().numpy()
     return shown
 
 

@@ -144,13 +144,17 @@ def test_blocked_irradiance_is_the_integral():
 
 
 def test_visibility_is_the_transmittance_of_the_voxels_passed():
-    """Straight up from the floor of a grid, every voxel counts once; outside all is open."""
+    """Straight up from the floor of a grid, every voxel counts once; outside all is open.
+
+    So is what lies behind a surface: nothing that comes from there could light it.
+    """
     depth = torch.zeros(5, 12, 5)
     depth[2, 3, 2], depth[2, 6, 2], depth[2, 9, 2] = 0.4, 0.5, 0.7  # the last: a start's own
     grid = OpacityGrid(torch.zeros(3), 1.0, depth)
-    starts = torch.tensor([[2.5, 9.5, 2.5], [2.5, 4.5, 2.5], [1.5, 9.5, 2.5], [2.5, 40.0, 2.5]])
-    seen = visibility(grid, starts, UP[None], 10)[:, 0]
-    expected = torch.tensor([-0.9, -0.4, 0.0, 0.0]).exp()
+    places = [[2.5, 9.5, 2.5], [2.5, 4.5, 2.5], [1.5, 9.5, 2.5], [2.5, 40.0, 2.5], [2.5, 9.5, 2.5]]
+    starts, normals = torch.tensor(places), UP * torch.tensor([[1.0], [1.0], [1.0], [1.0], [-1.0]])
+    seen = visibility(grid, starts, UP[None], 10, normals)[:, 0]
+    expected = torch.tensor([-0.9, -0.4, 0.0, 0.0, 0.0]).exp()
     assert_allclose(seen.numpy(), expected.numpy(), rtol=1e-6, atol=0)
 
 

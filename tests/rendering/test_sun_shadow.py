@@ -78,7 +78,8 @@ def test_pixels_are_as_lit_as_the_points_that_they_show():
         # A camera of one pixel whose centre shows the point.
         column, row = fx * place[0] / place[2] + cx, fy * place[1] / place[2] + cy
         one = Camera(camera.cam_from_world, (fx, fy, cx - column + 0.5, cy - row + 0.5), 1, 1)
-        found = shadow.seen_from(one, torch.tensor([[place[2]]]).float())
+        is_covered = torch.ones(1, 1, dtype=torch.bool)
+        found = shadow.seen_from(one, torch.tensor([[place[2]]]).float(), is_covered)
         expected = shadow.visibility(point[None])
         torch.testing.assert_close(found[0], expected, rtol=0, atol=0.02)
 

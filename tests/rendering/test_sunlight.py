@@ -8,10 +8,10 @@ import torch
 from r3gw.lighting.sun import PointSun
 from r3gw.rendering import reference, splats
 from r3gw.rendering.brdf_table import lookup
-from r3gw.rendering.channels import COLOUR
+from r3gw.rendering.channels import COLOUR, NORMAL
 from r3gw.rendering.compose import Sunlight, draw, shaded_splats
 from r3gw.rendering.cook_torrance import DIELECTRIC_F0
-from r3gw.rendering.sun_shadow import SunShadow
+from r3gw.rendering.sun_shadow import SunShadow, reach_in
 from r3gw.rendering.sunlight import bounced_irradiance, direct_irradiance, ggx, sun_radiance
 
 SUN = PointSun(
@@ -70,8 +70,9 @@ LIGHT = 0.3 * torch.rand(25, 3, generator=torch.Generator().manual_seed(3))
 def sunlit_sum(splats_of, model, camera, sun):
     """A random weighting of the colours of a model's foreground in the sun."""
     light = LIGHT.to(model.foreground["means"])
-    direct = direct_irradiance(model, camera, sun)
-    colours = splats_of(model, camera, light, None, direct=direct).colours
+    normals = splats_of(model, camera, light, None).features[: len(model.foreground), NORMAL]
+    direct = direct_irradiance(model, normals, camera, sun)
+    colours = splats_of(model, camera, light, None, beside=direct).colours
     colours = colours[: len(model.foreground)]
     weights = torch.rand(colours.shape, generator=torch.Generator().manual_seed(4))
     return (weights.to(colours) * colours).sum()
@@ -126,7 +127,7 @@ def test_the_kernel_shades_as_the_plain_form(model, camera):
 class _Left(SunShadow):
     """The sun reaches what lies left of the picture's middle alone."""
 
-    def seen_from(self, camera, depth):
+    def seen_from(self, camera, depth, is_covered):  # noqa: ARG002
         lit = torch.zeros_like(depth)
         lit[:, : camera.width // 2] = 1.0
         return lit
@@ -140,7 +141,7 @@ def test_gaussians_are_in_the_sun_or_in_the_shade(model, camera):
     light = LIGHT + SUN.sh(4)
     half, bright = (
         shaded_splats(model, camera, light, None, sunlight=Sunlight(SUN, each))
-        for each in (shadow, None)
+        for each in (reach_in(model, camera, shadow), None)
     )
     dark = splats.splats_of(model, camera, light - SUN.sh(4), None)
     drawn = draw(bright, camera)

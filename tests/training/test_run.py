@@ -128,15 +128,40 @@ def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(files, checkpoint, tm
 
 
 def test_so_does_a_run_with_a_sun(files, tmp_path, monkeypatch, caplog):
-    """Shadows of its sun are cast every 8 iterations, so some are older than the checkpoint."""
+    """Its shadows are as old as 8 iterations, so some are older than the checkpoint."""
     caplog.set_level("INFO", "r3gw")
     settings = json.loads(files.settings.read_text())
-    settings["daylight"] |= {"enabled": True, "shadow_age": 20_000}
+    settings["daylight"] |= {"enabled": True, "shadow_age": 20_000, "reach_age": 15_000}
     settings["occlusion"] |= {"enabled": True, "first": 5_000, "interval": 20_000}
     files.settings.write_text(json.dumps(settings))
     killed(files, monkeypatch)
     assert go(files) == undisturbed(files, tmp_path / "other")
     assert f"at iteration {KILLED_AT}" in caplog.text
+
+
+@pytest.mark.parametrize("tied_from", [15_000, 30_000])
+def test_so_does_a_run_whose_suns_are_known(files, tmp_path, monkeypatch, caplog, tied_from):
+    """They are tied after iteration 6, which the checkpoint knows of, or 12."""
+    caplog.set_level("INFO", "r3gw")
+    settings = json.loads(files.settings.read_text())
+    settings["daylight"] |= {"enabled": True, "suns": "known", "suns_tied_from": tied_from}
+    settings["occlusion"] |= {"enabled": True, "first": 5_000, "interval": 20_000}
+    files.settings.write_text(json.dumps(settings))
+    scene = json.loads((files.scene / "scene.json").read_text())
+    for view, azimuth_deg in zip(scene["views"], (120.0, 200.0, 250.0, 300.0), strict=False):
+        view["sun"] = {"azimuth_deg": azimuth_deg, "elevation_deg": 35.0}
+    (files.scene / "scene.json").write_text(json.dumps(scene))
+    checkpoint = killed(files, monkeypatch)
+    kept = read_arrays(checkpoint, "checkpoint")[1]["tied_suns"]
+    assert (kept["yaw_deg"] is not None) == (tied_from == 15_000)
+    assert go(files) == undisturbed(files, tmp_path / "other")
+    assert f"at iteration {KILLED_AT}" in caplog.text
+    record, other = (
+        json.loads((folder / "run.json").read_text())["known_suns"]
+        for folder in (files.target, tmp_path / "other")
+    )
+    assert record == other
+    assert set(record["known"]) == {"0", "1"}
 
 
 def test_so_does_a_run_that_looks_for_occluders(files, tmp_path, monkeypatch, caplog):

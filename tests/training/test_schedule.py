@@ -9,7 +9,7 @@ from r3gw.training.schedule import Schedule, scaled
 def test_the_papers_length_keeps_its_numbers():
     schedule = Schedule.of(train_settings())
     assert schedule == Schedule(
-        *(40000, 500, 2000, 500, 15000, 500, 3000, 30000, 30000, 4000, 6000, 1000),
+        *(40000, 500, 2000, 500, 15000, 500, 3000, 30000, 30000, 4000, 6000, 1000, 4000),
         5000,
         1.0,
         0,
@@ -21,7 +21,7 @@ def test_the_papers_length_keeps_its_numbers():
 def test_a_short_run_scales_all():
     schedule = Schedule.of(train_settings(iterations=4000))
     assert schedule == Schedule(
-        4000, 50, 200, 50, 1500, 50, 300, 3000, 3000, 400, 600, 100, 500, 1.0, 0, 800, 400
+        4000, 50, 200, 50, 1500, 50, 300, 3000, 3000, 400, 600, 100, 400, 500, 1.0, 0, 800, 400
     )
 
 

@@ -71,7 +71,7 @@ class EvaluatedScene:
             view: Which camera.
             light: With a learned sky, or with none: a white one, as the published protocol asks.
         """
-        sunlight = sunlight_of(self.model, light.point)
+        sunlight = sunlight_of(self.model, view.camera, light.point)
         lit = (light.sh, light.sky_coefficients)
         colour = render(self.model, view.camera, *lit, sunlight=sunlight).colour
         return colour.clamp(0.0, 1.0).double().numpy()

@@ -122,7 +122,10 @@ def _misfit(model: SceneModel, target: Target, light: Light) -> Float[Tensor, ""
 
 
 def _picture(model: SceneModel, target: Target, light: Light) -> Float[Tensor, "h w 3"]:
-    lit, sunlight = (light.sh, light.sky_coefficients), sunlight_of(model, light.point)
+    lit, sunlight = (
+        (light.sh, light.sky_coefficients),
+        sunlight_of(model, target.camera, light.point),
+    )
     return render(model, target.camera, *lit, sunlight=sunlight).colour.clamp(0.0, 1.0)
 
 

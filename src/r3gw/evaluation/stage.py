@@ -140,7 +140,7 @@ def _write_parts(evaluated: EvaluatedScene, view: View, outcome: Outcome, folder
         view.camera,
         light.sh,
         light.sky_coefficients,
-        sunlight_of(evaluated.model, light.point),
+        sunlight_of(evaluated.model, view.camera, light.point),
     )
     parts = {
         "albedo": bytes_from_display(albedo),

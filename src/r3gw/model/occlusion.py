@@ -25,6 +25,7 @@ SAMPLES = 32  # Points that spread a Gaussian's opacity over voxels.
 BOX_QUANTILES = (0.02, 0.98)  # Of the positions: what lies outside casts no shadow.
 BOX_MARGIN = 3  # Voxels around that box.
 PART = 8192  # Gaussians whose samples and rays are held at a time.
+STEPS_BETWEEN = 16  # after which rays that have left the grid are put aside
 DENSEST = 0.99  # Opacities are cut here, so that their optical depth stays finite.
 
 
@@ -64,7 +65,8 @@ def update_occlusion(
         axes, centre = normals[part], means[part]
         outer = outer_normals(grid, centre, axes, camera_centres, settings.offset, reach)
         starts = centre + settings.offset * grid.voxel * outer
-        lost = (1 - settings.bounce) * (1 - visibility(grid, starts, directions, reach))
+        seen = visibility(grid, starts, directions, reach, outer)
+        lost = (1 - settings.bounce) * (1 - seen)
         occlusion[part] = blocked_irradiance(lost, outer, directions, degree)
         normals[part] = outer
     opacities = rows["opacity_logits"].detach().sigmoid()
@@ -114,12 +116,17 @@ def opacity_grid(rows: Rows, voxels: int) -> OpacityGrid:
 
 
 def visibility(
-    grid: OpacityGrid, starts: Float[Tensor, "n 3"], directions: Float[Tensor, "k 3"], reach: int
+    grid: OpacityGrid,
+    starts: Float[Tensor, "n 3"],
+    directions: Float[Tensor, "k 3"],
+    reach: int,
+    normals: Float[Tensor, "n 3"],
 ) -> Float[Tensor, "n k"]:
     """Transmittance from each start towards each direction, over ``reach`` voxels.
 
     Rays of one direction step through the same chain of voxels, moved to the start's voxel; the
-    first step leaves that voxel. Starts outside the grid see everything.
+    first step leaves that voxel. Starts outside the grid see everything. Behind a surface,
+    from where nothing lights it, no ray is cast: that counts as seen.
     """
     edge = reach + 1
     padded = torch.nn.functional.pad(grid.depth, (edge,) * 6)
@@ -134,7 +141,10 @@ def visibility(
     columns = []
     for direction in directions:
         chain = ((steps * direction).round().long() @ stride).int()
-        columns.append(flat[first[:, None] + chain].sum(dim=1))
+        is_before = normals @ direction > 0
+        column = starts.new_zeros(len(starts))
+        column[is_before] = flat[first[is_before, None] + chain].sum(dim=1)
+        columns.append(column)
     transmitted = torch.exp(-torch.stack(columns, dim=1))
     return torch.where(is_inside[:, None], transmitted, 1.0)
 
@@ -163,15 +173,24 @@ def outer_normals(
 def _transmitted(
     grid: OpacityGrid, starts: Float[Tensor, "n 3"], directions: Float[Tensor, "n 3"], reach: int
 ) -> Float[Tensor, "n"]:
-    """Transmittance along one ray per start."""
-    size = torch.tensor(grid.depth.shape, device=grid.depth.device)
-    first = (starts - grid.corner) / grid.voxel
-    total = starts.new_zeros(len(starts))
+    """Transmittance along one ray per start; outside the grid nothing holds light back."""
+    # One empty voxel all around, into which whatever lies outside is moved.
+    padded = torch.nn.functional.pad(grid.depth, (1,) * 6)
+    last = torch.tensor(grid.depth.shape, device=padded.device)[:, None]
+    first = ((starts - grid.corner) / grid.voxel).T.contiguous()
+    towards = directions.T.contiguous()
+    flat, (_, height, depth) = padded.reshape(-1), padded.shape
+    total, rays = starts.new_zeros(len(starts)), torch.arange(len(starts), device=starts.device)
     for step in range(reach):
-        cell = (first + step * directions).floor().long()
-        is_inside = ((cell >= 0) & (cell < size)).all(-1)
-        x, y, z = torch.where(is_inside[:, None], cell, 0).unbind(-1)
-        total += torch.where(is_inside, grid.depth[x, y, z], 0.0)
+        # A place far outside would overflow an integer.
+        place = (first + step * towards).floor().clamp(min=-1).minimum(last)
+        x, y, z = (place + 1).int()
+        total[rays] += flat[(x * height + y) * depth + z]
+        if step % STEPS_BETWEEN == STEPS_BETWEEN - 1:
+            # A ray that is past the grid's end in some direction does not come back.
+            has_left = ((place < 0) & (towards <= 0)) | ((place == last) & (towards >= 0))
+            stays = ~has_left.any(dim=0)
+            rays, first, towards = rays[stays], first[:, stays], towards[:, stays]
     return torch.exp(-total)
 
 

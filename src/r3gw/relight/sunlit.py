@@ -74,8 +74,6 @@ def reaches(gaussians: Relightable, cameras: Sequence[Camera], sun: PointSun) ->
         sun: The sun.
     """
     count = gaussians.num_foreground
-    everything = Gaussians(
-        gaussians.means, gaussians.quaternions, gaussians.scales, gaussians.opacities
-    )
+    everything = (gaussians.means, gaussians.quaternions, gaussians.scales, gaussians.opacities)
     foreground = Gaussians(*(each[:count] for each in everything))
-    return reach(everything, cameras, sun_shadow(foreground, sun.direction))[:count]
+    return reach(foreground, cameras, sun_shadow(foreground, sun.direction))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import torch
 from jaxtyping import Float
 from torch import Tensor
+from torch.nn.functional import pad
 
 from r3gw.geometry.cameras import Camera
 from r3gw.lighting.sh import degree_of
@@ -23,9 +24,9 @@ from r3gw.rendering.channels import (
     NUM_LEARNED,
     Layers,
 )
-from r3gw.rendering.splat_set import Splats
+from r3gw.rendering.splat_set import Splats, irradiance_beside
 from r3gw.rendering.splats import splats_of
-from r3gw.rendering.sun_shadow import Gaussians, SunShadow, reach, shadow_in
+from r3gw.rendering.sun_shadow import reach_in, shadow_in
 from r3gw.rendering.sunlight import bounced_irradiance, direct_irradiance
 
 SMALLEST_ALPHA = 1e-6
@@ -81,22 +82,24 @@ class Rendering:
 
 @dataclass(frozen=True, eq=False)
 class Sunlight:
-    """A sun, and who stands in it.
+    """A sun, and what stands in it in one camera's picture.
 
     Attributes:
         sun: The sun; the light that it goes with holds it, too.
-        shadow: The scene as it sees it; None where nothing stands in it.
+        reached: Share of it that reaches each Gaussian of the foreground; None where nothing
+            stands in its way.
     """
 
     sun: PointSun
-    shadow: SunShadow | None
+    reached: Float[Tensor, "f"] | None
 
 
-def sunlight_of(model: SceneModel, sun: PointSun | None) -> Sunlight | None:
+def sunlight_of(model: SceneModel, camera: Camera, sun: PointSun | None) -> Sunlight | None:
     """A light's sun with its shadows; None where the model shades by SH alone, or it has none."""
     if sun is None or not model.description.has_point_sun:
         return None
-    return Sunlight(sun.times(model.description.sharp), shadow_in(model, sun.direction))
+    reached = reach_in(model, camera, shadow_in(model, sun.direction))
+    return Sunlight(sun.times(model.description.sharp), reached)
 
 
 def render(
@@ -135,19 +138,22 @@ def shaded_splats(
     """
     if sunlight is None:
         return splats_of(model, camera, light, sky_light, layers)
-    sun, foreground = sunlight.sun, model.foreground
+    sun, foreground, bounced = sunlight.sun, model.foreground, None
     rest = light - sun.sh(degree_of(len(light)))
-    direct, bounced = direct_irradiance(model, camera, sun), None
     if OCCLUSION in foreground:
         bounced = bounced_irradiance(foreground[OCCLUSION], sun, model.description.sun_bounce)
-        direct = direct + bounced
+    beside = irradiance_beside(foreground, rest, bounced)
+    in_shade = splats_of(model, camera, rest, sky_light, layers, beside)
+    normals = in_shade.features[: len(foreground), NORMAL]
+    direct = direct_irradiance(model, normals, camera, sun)
+    if beside is not None:
+        direct = direct + beside
     in_sun = splats_of(model, camera, rest, sky_light, layers, direct)
-    if sunlight.shadow is None:
+    if sunlight.reached is None:
         return in_sun
-    in_shade = splats_of(model, camera, rest, sky_light, layers, bounced).colours
-    gaussians = Gaussians(in_sun.means, in_sun.quaternions, in_sun.scales, in_sun.opacities)
-    lit = reach(gaussians, [camera], sunlight.shadow)[:, None]
-    return in_sun.with_colours(torch.lerp(in_shade, in_sun.colours, lit))
+    # The sky has the same colours in both.
+    reached = pad(sunlight.reached, (0, len(in_sun.means) - len(foreground)))
+    return in_sun.with_colours(torch.lerp(in_shade.colours, in_sun.colours, reached[:, None]))
 
 
 def draw(splats: Splats, camera: Camera, pulls2d: Float[Tensor, "n 2"] | None = None) -> Rendering:

@@ -23,7 +23,7 @@ def splats_of(
     light: Float[Tensor, "coeff 3"],
     sky_light: Float[Tensor, "4 3"] | None,
     layers: Layers = Layers.COLOUR,
-    direct: Float[Tensor, "f 3"] | None = None,
+    beside: Float[Tensor, "f 3"] | None = None,
 ) -> Splats:
     """As `r3gw.rendering.splats.splats_of`."""
     foreground, sky = model.foreground, model.sky
@@ -36,7 +36,8 @@ def splats_of(
     linear = shade(
         normals, to_camera, **materials, light=light, with_specular=model.description.specular
     )
-    beside = irradiance_beside(foreground, light, direct)
+    if beside is None:
+        beside = irradiance_beside(foreground, light, None)
     if beside is not None:
         linear = linear + materials["albedo"] * beside / pi
     colours = display_from_linear(linear)

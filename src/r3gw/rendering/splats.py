@@ -25,7 +25,7 @@ def splats_of(
     light: Float[Tensor, "coeff 3"],
     sky_light: Float[Tensor, "4 3"] | None,
     layers: Layers = Layers.COLOUR,
-    direct: Float[Tensor, "f 3"] | None = None,
+    beside: Float[Tensor, "f 3"] | None = None,
 ) -> Splats:
     """Activate, shade and colour all Gaussians of a model as a camera sees them.
 
@@ -38,16 +38,19 @@ def splats_of(
         light: SH environment light, linear.
         sky_light: Sky coefficients (Eq. 11); None paints the sky white.
         layers: What the channels ``foreground`` and ``sky`` hold.
-        direct: Irradiance of the foreground by what is not in the light, such as a sun.
+        beside: Irradiance of the foreground beside that of the light (`irradiance_beside`); None:
+            what shadows take from the light, and nothing else.
     """
     foreground, sky = model.foreground, model.sky
+    if beside is None:
+        beside = irradiance_beside(foreground, light, None)
     is_compiled = len(light) in COEFFICIENTS
     if not (is_compiled and kernels.take("splats", foreground["means"], light)):
-        return reference.splats_of(model, camera, light, sky_light, layers, direct)
+        return reference.splats_of(model, camera, light, sky_light, layers, beside)
     rows = ops.splats(
         ops.ForegroundRows(
             **{attribute.name: foreground[attribute.name] for attribute in FOREGROUND},
-            shadow=irradiance_beside(foreground, light, direct),
+            shadow=beside,
         ),
         ops.SkyRows(
             **{attribute.name: sky.rows[attribute.name] for attribute in SKY},

@@ -8,11 +8,10 @@ from torch import Tensor
 from torch.nn.functional import normalize
 
 from r3gw.geometry.cameras import Camera
-from r3gw.geometry.rotations import shortest_axes
 from r3gw.lighting.sun import PointSun
 from r3gw.model.attributes import ALBEDO, ROUGHNESS
 from r3gw.model.model import SceneModel
-from r3gw.rendering.cook_torrance import DIELECTRIC_F0, face_camera
+from r3gw.rendering.cook_torrance import DIELECTRIC_F0
 
 SMALLEST_COSINE = 1e-3
 # Half the sun's diameter in radians: no highlight is narrower, however smooth the surface.
@@ -58,11 +57,12 @@ def ggx(
     GGX with alpha = roughness**2, height-correlated Smith shadowing (Heitz 2014) and Schlick's
     Fresnel curve over `DIELECTRIC_F0`.
     """
-    half = normalize(to_camera + to_light, dim=-1)
-    n_h = (normals * half).sum(-1).clamp(0.0, 1.0)
-    n_l = (normals @ to_light).clamp_min(SMALLEST_COSINE)
-    n_v = (normals * to_camera).sum(-1).clamp_min(SMALLEST_COSINE)
-    v_h = (to_camera * half).sum(-1).clamp(0.0, 1.0)
+    # Lengths and cosines of the half vector, between two unit vectors, from theirs.
+    v_l, n_l, n_v = to_camera @ to_light, normals @ to_light, (normals * to_camera).sum(-1)
+    shorter = torch.rsqrt((2 + 2 * v_l).clamp_min(SMALLEST_COSINE**2))
+    n_h = ((n_l + n_v) * shorter).clamp(0.0, 1.0)
+    v_h = ((1 + v_l) * shorter).clamp(0.0, 1.0)
+    n_l, n_v = n_l.clamp_min(SMALLEST_COSINE), n_v.clamp_min(SMALLEST_COSINE)
     alpha2 = roughness.square().clamp_min(SMALLEST_ALPHA).square()
     distribution = alpha2 / (pi * (n_h.square() * (alpha2 - 1) + 1).square())
     towards_light = n_v * torch.sqrt(n_l.square() * (1 - alpha2) + alpha2)
@@ -71,7 +71,9 @@ def ggx(
     return 0.5 * distribution * fresnel / (towards_light + towards_camera)
 
 
-def direct_irradiance(model: SceneModel, camera: Camera, sun: PointSun) -> Float[Tensor, "f 3"]:
+def direct_irradiance(
+    model: SceneModel, normals: Float[Tensor, "f 3"], camera: Camera, sun: PointSun
+) -> Float[Tensor, "f 3"]:
     """What the sun does to each foreground Gaussian of a model, as an irradiance.
 
     Shading multiplies it by albedo / pi, so the highlight is divided by that: its gradient to the
@@ -79,15 +81,13 @@ def direct_irradiance(model: SceneModel, camera: Camera, sun: PointSun) -> Float
 
     Args:
         model: The scene.
+        normals: Of its foreground, turned to the camera.
         camera: Where from; directions of view carry no gradient.
         sun: The sun, which nothing shades.
     """
     foreground = model.foreground
     means = foreground["means"].detach()
     to_camera = normalize(camera.centre.to(means) - means, dim=-1)
-    normals = face_camera(
-        shortest_axes(foreground["quaternions"], foreground["log_scales"]), to_camera
-    )
     albedo = ALBEDO.of(foreground).clamp_min(DARKEST_ALBEDO)
     surfaces = (normals, to_camera, albedo, ROUGHNESS.of(foreground), sun)
     radiance = sun_radiance(*surfaces, with_specular=model.description.specular)

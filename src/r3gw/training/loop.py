@@ -167,7 +167,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
             prune_huge=schedule.prunes_huge(iteration),
             generator=state.generator,
         )
-        state.statistics = GradientStatistics.of(model)
+        _gaussians_changed(state)
         # Small photos ask for few Gaussians, and even growth always ends at the largest number:
         # neither is a reason to warn.
         is_free = schedule.gaussians_share(iteration) >= 1.0 and density.growth == "threshold"
@@ -176,13 +176,19 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
         reset_opacity(model, state.optimizer, density.reset_opacity)
 
 
+def _gaussians_changed(state: TrainingState) -> None:
+    """Begin anew what is counted or kept per Gaussian."""
+    state.statistics = GradientStatistics.of(state.model)
+    state.sun_shadows.forget_reached()
+
+
 def _look_around(state: TrainingState, sizes: PhotoSizes, schedule: Schedule) -> None:
     """Do what is due at times and looks at the whole scene or at all photos."""
     iteration, model, settings = state.iteration, state.model, state.settings
     if settings.unseen.enabled and schedule.holds_back_unseen(iteration):
         centres = [photo.camera.centre for photo in sizes.given]
         if hold_back_unseen(model, state.optimizer, centres, settings.unseen):
-            state.statistics = GradientStatistics.of(model)
+            _gaussians_changed(state)
     if OCCLUSION in model.foreground and schedule.casts_shadows(iteration):
         centres = [photo.camera.centre for photo in sizes.given]
         update_occlusion(model.foreground, centres, settings.occlusion)

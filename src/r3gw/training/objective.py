@@ -55,8 +55,7 @@ def objective(
     layers = Layers.OPACITY if settings.silhouette.enabled else Layers.COLOUR
     sunlight = None
     if lit.sun is not None:
-        row = model.appearance.rows[index]
-        sunlight = sun_shadows.of(model, row, lit.sun, iteration, schedule)
+        sunlight = sun_shadows.of(model, index, photo.camera, lit.sun, iteration, schedule)
     splats = shaded_splats(model, photo.camera, noisy, lit.sky_light, layers, sunlight)
     share = share_at(iteration, settings.iterations, settings.dropping.share)
     rendering = draw(dropped(splats, share, generator), photo.camera, pulls(splats, settings))

@@ -108,7 +108,7 @@ def _seen(model: SceneModel, index: int, photo: Photo) -> Seen:
     """Render a photo and compare."""
     with torch.no_grad():
         lit = model.appearance(index)
-        sunlight = sunlight_of(model, lit.sun)
+        sunlight = sunlight_of(model, photo.camera, lit.sun)
         splats = shaded_splats(model, photo.camera, lit.light, lit.sky_light, sunlight=sunlight)
         colour = draw(splats, photo.camera).colour.clamp(0.0, 1.0)
     unlike = disagreement(colour, photo.target(), photo.is_valid)

@@ -37,6 +37,7 @@ class Schedule:
     occlusion_first: int
     occlusion_interval: int
     shadow_age: int
+    reach_age: int
     suns_tied_from: int
     smallest_photo: float
     photos_whole_from: int
@@ -64,6 +65,7 @@ class Schedule:
             occlusion_first=own(occlusion.first),
             occlusion_interval=own(occlusion.interval),
             shadow_age=own(settings.daylight.shadow_age),
+            reach_age=own(settings.daylight.reach_age),
             suns_tied_from=own(settings.daylight.suns_tied_from),
             smallest_photo=settings.resolution.smallest,
             photos_whole_from=own(settings.resolution.whole_from),

@@ -143,7 +143,9 @@ class DaylightSettings(Strict):
         sun_bounce: Of the sun's irradiance, what a surface gets from others that stand in the sun,
             where they hide all of the sky.
         sharp: Share of the sun whose shadows are sharp; the rest is shaded by its SH.
-        shadow_age: Iterations after which shadows are cast anew.
+        shadow_age: Iterations of the paper's schedule after which shadows are cast anew.
+        reach_age: Iterations of the paper's schedule for which a photo keeps how much of the sun
+            reaches each Gaussian, while Gaussians neither come nor go and the sun hardly moves.
         suns: Whether suns are learned, or known where date, time and place tell them
             (r3gw.training.known_suns).
         suns_tied_from: Iteration of the paper's schedule from which on known suns are tied
@@ -156,6 +158,7 @@ class DaylightSettings(Strict):
     sun_bounce: float = Field(ge=0, le=1)
     sharp: float = Field(ge=0, le=1)
     shadow_age: int = Field(ge=1)
+    reach_age: int = Field(ge=1)
 
 
 class GainsSettings(Strict):
