@@ -13,7 +13,7 @@ from r3gw.model.initial import InitialPoints
 from r3gw.model.sky import SkyDome, sample_dome
 from r3gw.rendering.compose import render
 from r3gw.training.disagreement import disagreement
-from r3gw.training.occluders import find_occluders
+from r3gw.training.occluders import find_occluders, mask_of_excess
 from r3gw.training.photos import Photo
 from r3gw.training.resolution import PhotoSizes
 from r3gw.training.schedule import Schedule
@@ -79,6 +79,19 @@ def test_somebody_in_one_photo_is_found_there_and_nowhere_else(model, photos):
     assert recall > 0.9
     assert precision > 0.6
     assert [float(mask.float().mean()) for mask in found[1:]] == [0.0, 0.0]
+
+
+def test_a_body_is_found_whole_from_the_part_that_stands_out():
+    """Faint where it hangs together with that part, not elsewhere; grown by 1 px (128 x 0.008)."""
+    excess = np.full((HEIGHT, WIDTH), 0.02, np.float32)
+    excess[20:30, 40:50] = 0.5
+    excess[30:60, 38:52] = 0.15
+    excess[70:80, 90:100] = 0.15
+    found = mask_of_excess(excess, SETTINGS, HEIGHT, WIDTH)
+    assert found[22:28, 42:48].all()
+    assert found[32:58, 40:50].all()
+    assert not found[:, 60:].any()
+    assert not found[:18].any()
 
 
 def test_what_all_photos_show_and_the_model_does_not_is_the_place(model, photos):

@@ -34,6 +34,9 @@ FEWEST_PHOTOS = 3  # that must show a Gaussian before one of them can be wrong
 MOST_UNLIKE = 2.0  # of `disagreement`
 USUAL_FACTOR = 1.5  # a photo may be this much more unlike than others are before it counts
 LEAST_EXPECTED = 0.01
+# Of `contrast`: what is so unlike, and hangs together with what is unlike enough, is the same body,
+# parts of which look like what they stand before (hysteresis, Canny 1986).
+FAINT = 0.3
 GROWN = 0.008  # of the longer side: the outlines of occluders are theirs, too
 
 
@@ -77,7 +80,7 @@ def find_occluders(
         expected = drawn.planes[0] / drawn.alpha.clamp_min(SMALLEST_ALPHA)
         factor = USUAL_FACTOR * _badly_lit(each.unlike, expected, compared)
         excess = (each.unlike - factor * expected).numpy()
-        mask = _mask(excess, settings, *photo.is_valid.shape)
+        mask = mask_of_excess(excess, settings, *photo.is_valid.shape)
         # Sky stands before nothing; where it differs, the model has something in its way.
         occluders.append(mask & photo.is_valid & ~photo.is_sky)
     return occluders
@@ -126,13 +129,16 @@ def _gaussians(model: SceneModel, photo: Photo) -> Gaussians:
     return Gaussians(splats.means, splats.quaternions, splats.scales, splats.opacities)
 
 
-def _mask(
+def mask_of_excess(
     excess: Float[np.ndarray, "a b"], settings: OccluderSettings, height: int, width: int
 ) -> Bool[Tensor, "{height} {width}"]:
-    """Threshold, bound the share, and grow."""
+    """What is unlike enough, with all around it that is somewhat unlike; bounded, and grown."""
     whole = cv2.resize(excess, (width, height), interpolation=cv2.INTER_LINEAR)
-    threshold = max(settings.contrast, float(np.quantile(whole, 1 - settings.most)))
+    least = float(np.quantile(whole, 1 - settings.most))
+    faint = whole > max(FAINT * settings.contrast, least)
+    regions = cv2.connectedComponents(faint.astype(np.uint8), connectivity=8)[1]
+    is_found = np.isin(regions, np.unique(regions[whole > max(settings.contrast, least)]))
     radius = round(GROWN * max(height, width))
     disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
-    grown = cv2.dilate((whole > threshold).astype(np.uint8), disk)
+    grown = cv2.dilate(is_found.astype(np.uint8), disk)
     return torch.from_numpy(grown > 0)
