@@ -70,7 +70,7 @@ def test_every_image_has_a_file_of_its_own(done):
     for record in whole["images"]:
         path = done.folder / "images" / record["protocol"] / f"{record['view']}.json"
         assert json.loads(path.read_text()) == {**record, "run": whole["run"]}
-        assert record["protocol_version"] == (2 if record["protocol"] == "half-image" else 1)
+        assert record["protocol_version"] == 1
         # Two photos stand 0.3 apart, 6 before the wall; test views look at it beside them.
         assert 0.8 < record["well_seen"] <= 1
 

@@ -3,10 +3,6 @@
 The scene stays as it is. Exposure and white balance are three free factors; the light's shape may
 leave that of a learned light where the photo asks for it, at a price: half a photo says little of
 the light from where none of its surfaces look.
-
-A held-out photo also shows what the scene cannot have: passers-by, a sign, foliage that no other
-photo shows. Errors are therefore squared only where they are small, and bounded where they are
-large (Geman and McClure 1987), or the sky of the fit would be bent to look like a tree.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,7 +26,6 @@ from r3gw.rendering.compose import render, sunlight_of
 LIGHT_PRIOR = 1e-3
 SKY_PRIOR = 1e-3
 ITERATIONS = 30
-LARGE = 0.3  # display values: an error from here on counts less and less
 
 
 class Target(NamedTuple):
@@ -50,7 +45,7 @@ class Target(NamedTuple):
 def fitted_light(model: SceneModel, target: Target, starts: Sequence[Light]) -> Light:
     """The light and learned sky under which the scene looks most like the photo.
 
-    Minimises the mean bounded error of display values over valid pixels, plus the price of
+    Minimises the mean squared error of display values over valid pixels, plus the price of
     changes, from the start that suits best once its exposure and white balance do.
 
     Args:
@@ -80,7 +75,7 @@ def _refined(model: SceneModel, target: Target, start: Light) -> Light:
     def loss() -> Tensor:
         optimizer.zero_grad()
         price = LIGHT_PRIOR * change.square().sum() + SKY_PRIOR * sky_change.square().sum()
-        value = _misfit(model, target, light()) + price
+        value = _squared_error(model, target, light()) + price
         torch.autograd.backward(value)
         return value
 
@@ -91,12 +86,12 @@ def _refined(model: SceneModel, target: Target, start: Light) -> Light:
 
 @torch.no_grad()
 def _balanced(model: SceneModel, target: Target, light: Light) -> tuple[float, Light]:
-    """A light with the gains that suit the photo, nearly, and its `_misfit`."""
+    """A light with the gains that suit the photo, nearly, and its squared error."""
     seen = _picture(model, target, light)[target.is_valid]
     wanted = target.photo[target.is_valid]
     factors = (seen * wanted).sum(0) / seen.square().sum(0).clamp_min(DARKEST)
     balanced = times_gains(light, factors.clamp_min(DARKEST) ** GAMMA)
-    return float(_misfit(model, target, balanced)), balanced
+    return float(_squared_error(model, target, balanced)), balanced
 
 
 def times_gains(light: Light, gains: Float[Tensor, "3"]) -> Light:
@@ -114,11 +109,9 @@ def _sky(start: Light, change: Float[Tensor, "4 3"]) -> LearnedSky:
     return LearnedSky(start.sky.coefficients + change)
 
 
-def _misfit(model: SceneModel, target: Target, light: Light) -> Float[Tensor, ""]:
-    """Mean over valid pixels of ``s / (1 + s / LARGE^2)``, s the channels' mean squared error."""
+def _squared_error(model: SceneModel, target: Target, light: Light) -> Float[Tensor, ""]:
     picture = _picture(model, target, light)
-    squared = (picture - target.photo)[target.is_valid].square().mean(dim=-1)
-    return (squared / (1 + squared / LARGE**2)).mean()
+    return (picture - target.photo)[target.is_valid].square().mean()
 
 
 def _picture(model: SceneModel, target: Target, light: Light) -> Float[Tensor, "h w 3"]:

@@ -95,7 +95,6 @@ EXACT = ProtocolFacts(
 )
 HALF_IMAGE = ProtocolFacts(
     name="half-image",
-    version=2,
     is_oracle=True,  # by the half of the photo that is not scored
     suffix="_half",
     title="light fitted to the photo's left half, its right half scored",

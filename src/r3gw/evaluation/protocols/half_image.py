@@ -19,16 +19,12 @@ from r3gw.model.lights import photographed_light
 from r3gw.scene import View
 from r3gw.scene.selection import evenly
 
-NUM_STARTS = 12  # lights of photos, each turned about the vertical
-TURNS_DEG = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
+NUM_STARTS = 12
 LEAST_PIXELS = 500  # that must be valid in each half
 
 
 class HalfImage(ViewProtocol):
     """Light, sky, exposure and white balance are fitted to the left half, the scene is held.
-
-    The fit starts from the best of the lights that were learned, as they are or turned: the sun may
-    have stood where it stood in no photo.
 
     What is scored is the right half, which nothing was fitted to: over all valid pixels, and
     (``_foreground``) over those that are not sky.
@@ -45,8 +41,7 @@ class HalfImage(ViewProtocol):
         if min(is_valid[is_right].sum(), is_valid[~is_right].sum()) < LEAST_PIXELS:
             return None
         model = evaluated.model
-        lights = [photographed_light(model, name) for name in evenly(model.photos, NUM_STARTS)]
-        starts = [light.turned(yaw_deg) for light in lights for yaw_deg in TURNS_DEG]
+        starts = [photographed_light(model, name) for name in evenly(model.photos, NUM_STARTS)]
         left = Target(
             replace(view.camera, width=middle),
             torch.from_numpy(photo[:, :middle]).float(),
