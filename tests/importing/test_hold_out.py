@@ -3,6 +3,7 @@
 import json
 
 import pytest
+import yaml
 from support import dots
 
 from r3gw.files import InputError
@@ -88,3 +89,13 @@ def test_a_split_of_the_source_is_not_overruled(colmap):
 def test_what_holds_nothing_out_is_no_value(value):
     with pytest.raises(InputError, match="hold_out"):
         parse_scene({"format": "photos", "path": ".", "hold_out": value}, "test")
+
+
+def test_names_that_yaml_reads_as_numbers_are_asked_for_in_quotes():
+    """10265353_38 is the number 1026535338 in YAML."""
+    value = yaml.safe_load("[10265353_38]")
+    with pytest.raises(InputError, match=r"hold_out.*put '1026535338' and others .* into quotes"):
+        parse_scene({"format": "photos", "path": ".", "hold_out": value}, "test")
+    value = yaml.safe_load("['10265353_38']")
+    entry = parse_scene({"format": "photos", "path": ".", "hold_out": value}, "test")
+    assert entry.hold_out == ["10265353_38"]

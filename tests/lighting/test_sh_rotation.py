@@ -63,3 +63,8 @@ def test_keeps_the_power_of_every_band_and_undoes_itself(turn):
             turned[band].square().sum(0), light[band].square().sum(0), rtol=1e-12, atol=0
         )
     torch.testing.assert_close(rotate(turned, turn.T), light, rtol=0, atol=1e-12)
+
+
+def test_a_turned_light_lies_in_memory_as_the_kernels_read_it(turn):
+    turned = rotate(torch.rand(25, 3, generator=torch.Generator().manual_seed(0)), turn)
+    assert turned.is_contiguous()

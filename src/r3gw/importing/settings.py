@@ -6,7 +6,7 @@ from zoneinfo import available_timezones
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, TypeAdapter, ValidationError, field_validator
+from pydantic import BeforeValidator, Field, TypeAdapter, ValidationError, field_validator
 
 from r3gw.benchmark.settings import BenchmarkSettings
 from r3gw.files import InputError
@@ -63,7 +63,19 @@ class NerfOsrScene(Strict):
     normals: Axes = "opencv"
 
 
-HoldOut = Annotated[int, Field(ge=2)] | Annotated[list[str], Field(min_length=1)] | None
+def _only_names(value: Any) -> Any:
+    """Refuse names that YAML has read as numbers: without digits of theirs, they name no photo."""
+    if isinstance(value, list) and (
+        numbers := [each for each in value if not isinstance(each, str)]
+    ):
+        raise ValueError(f"a list holds names; put '{numbers[0]}' and others of digits into quotes")
+    return value
+
+
+HoldOut = Annotated[
+    Annotated[int, Field(ge=2)] | Annotated[list[str], Field(min_length=1)] | None,
+    BeforeValidator(_only_names),
+]
 
 
 class UnsplitScene(Strict):
