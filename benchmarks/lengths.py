@@ -104,18 +104,26 @@ def plot(table: pd.DataFrame) -> Figure:
 
 
 def views(runs: Sequence[Path]) -> Figure:
-    """A test view, its albedo and normals and a learned light; a row of each for every run."""
+    """A test view, its albedo and normals and a learned light; a row of each for every run.
+
+    A column is a length, empty where a run has no snapshot of it.
+    """
+    lengths = sorted({int(each.name) for run in runs for each in snapshots(run)})
     rows, names = [], []
     for run in runs:
         for kind in ("exact", "albedo", "normal", "light"):
-            rows.append([picture(each, kind) for each in snapshots(run)])
+            rows.append([picture(run / "snapshots" / str(length), kind) for length in lengths])
             names.append(f"{run.name}: {kind}")
-    titles = [f"{int(each.name):,}" for each in snapshots(runs[0])]
-    return picture_grid(rows, titles, names)
+    return picture_grid(rows, [f"{length:,}" for length in lengths], names)
 
 
 def picture(snapshot: Path, kind: str) -> Cell | None:
-    """The first test view as one of evaluation's pictures, or the first photo's light."""
+    """The first test view as one of evaluation's pictures, or the first photo's light.
+
+    None where there is no such snapshot.
+    """
+    if not snapshot.is_dir():
+        return None
     if kind == "light":
         light = next(iter(learned_lights(load_model(snapshot / "model.safetensors")).values()))
         drawn = envmap.draw(light.sh, LIGHT_HEIGHT_PX).numpy()
