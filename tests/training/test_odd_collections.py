@@ -15,6 +15,7 @@ from r3gw.imaging.colour import display_from_linear, linear_from_display
 from r3gw.model.lights import photo_light
 from r3gw.model.model import SceneModel
 from r3gw.pipeline.config import load_config, run_settings
+from r3gw.training.first_values import with_first_values
 from r3gw.training.loop import train
 from r3gw.training.photos import Photo
 from r3gw.training.settings import TrainSettings
@@ -72,6 +73,7 @@ CASES = {
 
 def trained(photos: list[Photo], settings: TrainSettings) -> SceneModel:
     """Without sessions: every photo has a light of its own."""
+    settings = with_first_values(settings, photos)
     model = model_of_photos(flat_points(), photos, settings)
     return train(model, photos, settings).model
 
