@@ -12,7 +12,7 @@ from r3gw.geometry.cameras import Camera
 from r3gw.geometry.rotations import rotation_about_axis
 from r3gw.model.initial import initial_points, load_initial, save_initial, seen_azimuths
 from r3gw.model.settings import InitSettings, SkySettings
-from r3gw.model.sky import Sky, SkyDome, initial_sky, sample_dome
+from r3gw.model.sky import Sky, SkyDome, even_dome, initial_sky, sample_dome
 
 DOME = SkyDome(torch.tensor([1.0, 2.0, 3.0]), 5.0, (-0.5, 2.0))
 SKY = SkySettings(
@@ -22,6 +22,7 @@ SKY = SkySettings(
     azimuth_range="cameras",
     around="scene",
     least_opacity=0.0,
+    is_closed=False,
 )
 
 INIT = InitSettings(opacity=0.1, roughness=0.5, albedo=0.7, light_radiance=1.0)
@@ -40,6 +41,27 @@ def test_dome_samples_are_uniform_per_area():
     counts, _, _ = np.histogram2d(height, turn, bins=8, range=[[0, 1], [0, 1]])
     assert counts.sum() == 40_000
     assert chisquare(counts.ravel()).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("azimuth_rad", [(-0.5, 2.0), (-pi, pi)])
+def test_an_even_dome_is_more_even_than_chance(azimuth_rad):
+    """Cells of equal area hold the same number, but for a few at their borders."""
+    dome = SkyDome(DOME.centre, DOME.radius, azimuth_rad)
+    first, last = azimuth_rad
+    angles = even_dome(dome, 4000).double().numpy()
+    cells = (np.cos(angles[:, 0]), (angles[:, 1] - first) / (last - first))
+    edges = [[-1e-6, 1 + 1e-6]] * 2  # angles are float32
+    counts, _, _ = np.histogram2d(*cells, bins=(8, 8), range=edges)
+    assert counts.sum() == 4000
+    np.testing.assert_allclose(counts, 62.5, rtol=0, atol=5)  # by chance the spread alone is 7.9
+
+
+def test_a_closed_sky_starts_evenly():
+    cameras = [looking(0.0)]
+    closed = SKY.model_copy(update={"is_closed": True})
+    initial = initial_points(torch.randn(50, 3), cameras, closed, seed=0)
+    expected = even_dome(initial.dome, len(initial.sky_angles))
+    torch.testing.assert_close(initial.sky_angles, expected, rtol=0, atol=0)
 
 
 def test_positions_lie_on_the_upper_hemisphere():

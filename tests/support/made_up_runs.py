@@ -60,6 +60,7 @@ def make_scene(folder: Path, *, with_test: bool) -> Path:
         azimuth_range="cameras",
         around="scene",
         least_opacity=0.0,
+        is_closed=False,
     )
     cameras = [each.camera for each in views]
     initial = initial_points(torch.from_numpy(xyz), cameras, sky, seed=0)

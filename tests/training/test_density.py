@@ -53,6 +53,7 @@ def grow(model, optimizer, gradients, density=DENSITY, **changes):
         "growth": Growth(density.max_gaussians, THRESHOLD),
         "extent": EXTENT,
         "prune_huge": False,
+        "sky_stays": False,
         "generator": torch.Generator().manual_seed(1),
     }
     densify(model, optimizer, gradients, density, **(arguments | changes))

@@ -14,7 +14,7 @@ from r3gw.files.npz import Array, read_npz, write_npz
 from r3gw.geometry.cameras import Camera, pixel_rays
 from r3gw.geometry.spherical import angles_from_direction, direction_from_angles
 from r3gw.model.settings import SkySettings
-from r3gw.model.sky import SkyDome, sample_dome
+from r3gw.model.sky import SkyDome, even_dome, sample_dome
 
 BOX_QUANTILES = (0.02, 0.98)
 RADIUS_QUANTILE = 0.99
@@ -75,7 +75,8 @@ def initial_points(
     wanted = round(settings.count_per_radius * radius)
     count = min(max(wanted, settings.min_count), settings.max_count)
     generator = torch.Generator().manual_seed(seed)
-    return InitialPoints(xyz, dome, sample_dome(dome, count, generator))
+    angles = even_dome(dome, count) if settings.is_closed else sample_dome(dome, count, generator)
+    return InitialPoints(xyz, dome, angles)
 
 
 def farthest(cameras: list[Camera], centre: Float[Tensor, "3"]) -> float:

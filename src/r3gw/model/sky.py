@@ -21,6 +21,7 @@ from r3gw.model.settings import InitSettings
 PREFIX = "sky."
 SKY_DEGREE = 1
 SMALLEST_RADIUS = 1e-3
+GOLDEN_SECTION = (5**0.5 - 1) / 2
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,19 @@ def sample_dome(
     height, turn = torch.rand(2, count, generator=generator)
     first, last = dome.azimuth_rad
     return torch.stack([torch.acos(height), first + (last - first) * turn], dim=-1)
+
+
+def even_dome(dome: SkyDome, count: int) -> Float[Tensor, "{count} 2"]:
+    """Angles (theta, phi) of ``count`` points spaced evenly on the dome: a Fibonacci lattice.
+
+    Heights are evenly spaced, since equal heights hold equal areas of a sphere, and azimuths turn
+    by the golden section (González, 2010).
+    """
+    steps = torch.arange(count, dtype=torch.float64)
+    first, last = dome.azimuth_rad
+    turn = torch.remainder(steps * GOLDEN_SECTION, 1.0)
+    angles = torch.stack([torch.acos((steps + 0.5) / count), first + (last - first) * turn], dim=-1)
+    return angles.float()
 
 
 class Sky(nn.Module):

@@ -80,6 +80,7 @@ def densify(
     growth: Growth,
     extent: float,
     prune_huge: bool,
+    sky_stays: bool,
     generator: torch.Generator,
 ) -> Grown:
     """Clone or split every Gaussian above the threshold, then prune, in both sets.
@@ -93,6 +94,7 @@ def densify(
         extent: Camera extent, world units; sizes are judged relative to it, in the sky
             relative to the dome's radius where that is larger.
         prune_huge: Whether too large Gaussians go, as they do after the first opacity reset.
+        sky_stays: Whether the sky's Gaussians stay as they are.
         generator: Draws the positions of split children.
     """
     split_at = len(model.foreground)
@@ -105,6 +107,9 @@ def densify(
         (model.sky.rows, gradients[split_at:], sky_extent),
     ):
         room = budget
+        if rows is model.sky.rows and sky_stays:
+            capped.append(False)
+            continue
         if rows is model.sky.rows:
             room = min(room, int(settings.sky_share * most) - len(rows))
         chosen = _strongest(grads, threshold, room)

@@ -153,8 +153,8 @@ def step(
 
 def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> None:
     """Densify and reset opacities if due."""
-    iteration, model = state.iteration, state.model
-    density = state.settings.density
+    iteration, model, settings = state.iteration, state.model, state.settings
+    density = settings.density
     if schedule.densifies(iteration):
         gradients = state.statistics.mean()
         grown = densify(
@@ -165,6 +165,7 @@ def _change_density(state: TrainingState, schedule: Schedule, extent: float) -> 
             growth=growth_at(iteration, gradients, density, schedule),
             extent=extent,
             prune_huge=schedule.prunes_huge(iteration),
+            sky_stays=settings.sky.is_closed,
             generator=state.generator,
         )
         _gaussians_changed(state)

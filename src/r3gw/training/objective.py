@@ -83,6 +83,7 @@ def objective(
     others = [
         *light_training.losses(lit, photo, settings, generator),
         *gains_losses(model, settings, index, generator),
+        *sky_slopes(lit.sky_light, settings.weights.sky_slope),
         *given_normals(rendering, photo, settings, schedule, iteration),
         *regularisers(rendering, settings, schedule, iteration),
     ]
@@ -124,6 +125,16 @@ def gains_losses(
     first, second = (appearance.scene_light(photo).light for photo in (index, other))
     loss = weights.steady * appearance.gains()[index].log().square().sum()
     yield NamedLoss("gains", loss + weights.alike * unlikeness(first, second, weights.warmth))
+
+
+def sky_slopes(sky_light: Float[Tensor, "4 3"], weight: float) -> Iterator[NamedLoss]:
+    """A price on how much a photo's sky differs between one side and the other.
+
+    Where no photo in this light looks, the sky goes on as it begins in the part that one shows: a
+    slope too steep is black or white there.
+    """
+    if weight > 0:
+        yield NamedLoss("sky_slope", weight * sky_light[1:].square().mean())
 
 
 def given_normals(

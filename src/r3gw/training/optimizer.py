@@ -39,6 +39,9 @@ def make_optimizer(model: SceneModel, settings: TrainSettings) -> torch.optim.Ad
         groups.append({"name": name, "params": list(parameters), "lr": rate})
 
     add("sky.radius", [model.sky.radius], rates.named("sky_radius"))
+    if settings.sky.is_closed:
+        for group in groups:
+            group["lr"] *= not group["name"].startswith(sky.PREFIX)
     embedding, light_model = model.appearance.embedding, model.appearance.light_model
     if own := list(light_model.parameters()):
         add("light", own, training_of(light_model).rate(settings))
@@ -94,6 +97,8 @@ def set_rates(
     position = schedule.position_rate(iteration, rates.position_first, rates.position_last)
     share = schedule.late_share(iteration, rates.late_share)
     for group in optimizer.param_groups:
+        if group["first_lr"] == 0:
+            continue
         if group["name"] in POSITIONS:
             group["lr"] = position * rates.spatial_scale
         elif share < 1.0:

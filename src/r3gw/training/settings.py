@@ -73,6 +73,7 @@ class WeightSettings(Strict):
     separation: float = Field(ge=0)
     sky_depth: float = Field(ge=0)
     sky_depth_gamma: float = Field(gt=0)
+    sky_slope: float = Field(ge=0)
     light_directions: int = Field(ge=1)
     light_domain: Literal["hemisphere", "sphere"]
     light_average: Literal["all", "negative"]

@@ -30,7 +30,7 @@ PATTERNS = {  # white of row and column, at full size
     "is_valid": lambda _row, column: column < 0.9 * SIZE[0],
     "is_sky": lambda row, _column: row >= 0.2 * SIZE[1],
 }
-REPOSITORY = Path(__file__).parents[2]
+REPOSITORY = Path(__file__).parents[3]
 SACRE_COEUR = Path(
     os.environ.get("R3GW_SACRE_COEUR", REPOSITORY.parent / "shared" / "data" / "sacre_coeur")
 )

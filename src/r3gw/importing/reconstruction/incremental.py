@@ -12,10 +12,13 @@ import pycolmap
 
 from r3gw.files import InputError
 from r3gw.importing.reader import Effort
+from r3gw.importing.reconstruction.at_once import mapped_at_once
 from r3gw.importing.reconstruction.matching import Matching, match_photos
 from r3gw.importing.reconstruction.prepared import PreparedPhoto, focal_lengths
 from r3gw.importing.reconstruction.pycolmap_log import quiet
 from r3gw.importing.reconstruction.registration import ADVICE, LEAST_PHOTOS, Mapped
+
+ENOUGH = 0.5  # Share of the photos; where incremental mapping registers fewer, global mapping tries.
 
 
 def reconstruct(
@@ -45,22 +48,34 @@ def reconstruct(
         options = pycolmap.IncrementalPipelineOptions(num_threads=1, random_seed=effort.seed)
         options.min_model_size = LEAST_PHOTOS
         (folder / "models").mkdir()
-        models = pycolmap.incremental_mapping(
+        mapping = pycolmap.incremental_mapping(
             database, folder / "photos", folder / "models", options
         )
-    largest = max(
-        models.values(),
-        key=lambda model: (model.num_reg_images(), model.num_points3D()),
-        default=None,
-    )
-    if largest is None or largest.num_reg_images() < LEAST_PHOTOS:
-        registered = 0 if largest is None else largest.num_reg_images()
+        models = list(mapping.values())
+        if _registered(_largest(models)) < ENOUGH * len(photos):
+            others = mapped_at_once(database, folder / "photos", effort.seed)
+            if _registered(_largest(others)) > _registered(_largest(models)):
+                models, how = others, f"{how}, placed at once"
+    largest = _largest(models)
+    registered = _registered(largest)
+    if largest is None or registered < LEAST_PHOTOS:
         raise InputError(
             f"{source}: only {registered} photos could be registered together, at least "
             f"{LEAST_PHOTOS} are needed; {ADVICE}"
         )
-    others = [model for model in models.values() if model is not largest]
-    return Mapped(largest, others, database, how)
+    return Mapped(largest, [model for model in models if model is not largest], database, how)
+
+
+def _largest(models: Sequence[pycolmap.Reconstruction]) -> pycolmap.Reconstruction | None:
+    return max(
+        models,
+        key=lambda model: (model.num_reg_images(), model.num_points3D()),
+        default=None,
+    )
+
+
+def _registered(model: pycolmap.Reconstruction | None) -> int:
+    return 0 if model is None else int(model.num_reg_images())
 
 
 def _extract_features(
