@@ -12,6 +12,8 @@ from pathlib import Path
 import pycolmap
 
 SEEN_ENOUGH = 15  # points that a photo must share with others; with fewer it is placed by chance
+FOCAL_SIDES = (0.1, 10.0)  # shortest and longest focal length of a camera, in longer sides
+LARGEST_DISTORTION = 1.0
 
 
 def mapped_at_once(database: Path, photos: Path, seed: int) -> list[pycolmap.Reconstruction]:
@@ -33,12 +35,13 @@ def mapped_at_once(database: Path, photos: Path, seed: int) -> list[pycolmap.Rec
     models = pycolmap.global_mapping(calibrated, photos, folder, options)
     for model in models.values():
         _leave_out_unsure(model)
-        model.extract_colors_for_all_images(photos)
     return list(models.values())
 
 
 def _leave_out_unsure(model: pycolmap.Reconstruction) -> None:
-    """Take away photos that share too few points with others."""
+    """Take away photos that share too few points with others, or whose camera cannot be."""
     for image in list(model.images.values()):
-        if image.has_pose and image.num_points3D < SEEN_ENOUGH:
+        is_unsure = image.num_points3D < SEEN_ENOUGH
+        is_bogus = image.camera.has_bogus_params(*FOCAL_SIDES, LARGEST_DISTORTION)
+        if image.has_pose and (is_unsure or is_bogus):
             model.deregister_frame(image.frame_id)
