@@ -32,9 +32,9 @@ class SkySettings(Strict):
         around: What the dome holds: the "scene", as in the paper, or all training "cameras" too.
         least_opacity: Of a Gaussian of the sky, at first and while it is learned. At 0, as in the
             paper, the sky is as thin as photos leave it, and black shows where none of them looks.
-        is_closed: Whether its Gaussians are spaced evenly and stay as they are placed. Else training
-            opens holes in the sky, and paints with the black behind it what is dark in single
-            photos: a tree, a sign. Other cameras see these holes hang in the sky.
+        is_closed: Whether its Gaussians are spaced evenly and stay as they are placed. Else
+            training opens holes in the sky, and paints with the black behind it what is dark in
+            single photos: a tree, a sign. Other cameras see these holes hang in the sky.
     """
 
     count_per_radius: float = Field(gt=0)

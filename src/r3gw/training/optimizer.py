@@ -41,7 +41,8 @@ def make_optimizer(model: SceneModel, settings: TrainSettings) -> torch.optim.Ad
     add("sky.radius", [model.sky.radius], rates.named("sky_radius"))
     if settings.sky.is_closed:
         for group in groups:
-            group["lr"] *= not group["name"].startswith(sky.PREFIX)
+            if group["name"].startswith(sky.PREFIX):
+                group["lr"] = 0.0
     embedding, light_model = model.appearance.embedding, model.appearance.light_model
     if own := list(light_model.parameters()):
         add("light", own, training_of(light_model).rate(settings))
@@ -98,7 +99,7 @@ def set_rates(
     share = schedule.late_share(iteration, rates.late_share)
     for group in optimizer.param_groups:
         if group["first_lr"] == 0:
-            continue
+            continue  # what stays as it is, such as a closed sky
         if group["name"] in POSITIONS:
             group["lr"] = position * rates.spatial_scale
         elif share < 1.0:

@@ -17,9 +17,7 @@ from r3gw.importing.stage import import_scene
 
 pytestmark = pytest.mark.slow
 
-LUND = Path(
-    os.environ.get("R3GW_LUND", Path(__file__).parents[4] / "shared" / "data" / "lund")
-)
+LUND = Path(os.environ.get("R3GW_LUND", Path(__file__).parents[4] / "shared" / "data" / "lund"))
 SETTINGS = PhotosScene(format="photos", path=".", hold_out=None)
 
 

@@ -2,8 +2,8 @@
 
 Incremental mapping begins with two photos, and where their focal lengths are unknown and the camera
 moved straight ahead, as along a street, the two tell next to nothing about depth: no third photo
-fits. Global mapping (Pan et al., "Global Structure-from-Motion Revisited", ECCV 2024; COLMAP's) asks
-all pairs for focal lengths and rotations before any place is fixed.
+fits. Global mapping (Pan et al., "Global Structure-from-Motion Revisited", ECCV 2024; COLMAP has
+it) asks all pairs for focal lengths and rotations before any place is fixed.
 """
 
 import shutil

@@ -18,7 +18,7 @@ from r3gw.importing.reconstruction.prepared import PreparedPhoto, focal_lengths
 from r3gw.importing.reconstruction.pycolmap_log import quiet
 from r3gw.importing.reconstruction.registration import ADVICE, LEAST_PHOTOS, Mapped
 
-ENOUGH = 0.5  # Share of the photos; where incremental mapping registers fewer, global mapping tries.
+ENOUGH = 0.5  # Share of the photos; with fewer in the largest model, global mapping tries, too.
 
 
 def reconstruct(
