@@ -39,14 +39,14 @@ def test_sky_of_a_made_photo(sky_rgb, wall_rgb):
     photo, truth = made_photo(sky_rgb, wall_rgb)
     found = segment_sky(photo)
     assert found.shape == truth.shape
-    assert (found & truth).sum() / (found | truth).sum() > 0.97
+    assert iou(found, truth) > 0.97
 
 
 @pytest.mark.parametrize("size", [(150, 200), (900, 1200)])
 def test_sky_of_small_and_large_photos(size):
     photo, truth = made_photo((120, 160, 220), (190, 170, 140), size)
     found = segment_sky(photo)
-    assert (found & truth).sum() / (found | truth).sum() > 0.97
+    assert iou(found, truth) > 0.97
 
 
 @pytest.mark.parametrize("hard", [0, 70])  # pixels from the left whose edge is hard
@@ -57,7 +57,48 @@ def test_cloud_on_a_blue_sky_is_sky(hard):
     cloud = np.where(x < hard, cloud > 0.5, cloud)[..., None] * truth[..., None]
     photo = (photo * (1 - cloud) + 250 * cloud).astype(np.uint8)
     found = segment_sky(photo)
-    assert (found & truth).sum() / (found | truth).sum() > 0.97
+    assert iou(found, truth) > 0.97
+
+
+def photo_beside_a_wall(rough, rgb=(205, 110, 70)):
+    """The made photo with a wall up to the top edge on its right; and the sky."""
+    photo, truth = made_photo((120, 160, 220), (190, 170, 140))
+    rng = np.random.default_rng(2)
+    bricks = cv2.resize(rng.uniform(1 - rough, 1 + rough, (60, 20)), (80, 300), interpolation=0)
+    photo[:240, 320:] = np.clip(np.array(rgb) * bricks[:240, :, None], 0, 255)
+    photo[:, 312:320] = 30  # a gutter in shade
+    truth[:, 312:] = False
+    return photo, truth
+
+
+def iou(found, truth):
+    return (found & truth).sum() / (found | truth).sum()
+
+
+def test_a_wall_of_brick_at_the_top_edge_is_no_sky():
+    photo, truth = photo_beside_a_wall(0.25)
+    assert iou(segment_sky(photo), truth) > 0.97
+
+
+def test_a_smooth_wall_at_the_top_edge_is_no_sky_where_points_lie_on_it():
+    photo, truth = photo_beside_a_wall(0.0)
+    assert segment_sky(photo)[:240, 330:].mean() > 0.9  # nothing in the photo tells
+    on_wall = np.random.default_rng(3).uniform((330, 10), (390, 230), (12, 2))
+    on_house = np.random.default_rng(4).uniform((150, 130), (240, 230), (60, 2))
+    assert iou(segment_sky(photo, np.concatenate([on_wall, on_house])), truth) > 0.97
+
+
+def test_one_stray_point_in_the_sky_changes_nothing():
+    photo, truth = made_photo((120, 160, 220), (190, 170, 140))
+    points = np.random.default_rng(4).uniform((150, 130), (240, 230), (60, 2))
+    stray = np.concatenate([points, [(40.0, 30.0), (60.0, 90.0)]])
+    assert iou(segment_sky(photo, stray), truth) > 0.97
+
+
+def test_a_red_evening_behind_a_tower_is_sky():
+    photo, truth = photo_beside_a_wall(0.0, rgb=(225, 150, 95))
+    truth[:240, 320:] = True
+    assert iou(segment_sky(photo), truth) > 0.95
 
 
 def test_same_photo_gives_the_same_mask():
@@ -86,4 +127,4 @@ def test_holes_in_a_tree_are_sky_and_windows_are_not():
     found = segment_sky(photo)
     assert found[holes].mean() > 0.9
     assert not found[tree & ~cv2.dilate(holes.astype(np.uint8), np.ones((5, 5))).astype(bool)].any()
-    assert (found & truth).sum() / (found | truth).sum() > 0.97
+    assert iou(found, truth) > 0.97

@@ -14,6 +14,7 @@ from r3gw.importing.stage import import_scene
 from r3gw.masks.folder import load_masks
 from r3gw.masks.settings import MaskSources
 from r3gw.masks.stage import make_masks
+from r3gw.scene import Points, save_points
 
 GIVEN = MaskSources(sky_masks="given")
 ROWS, COLUMNS = np.mgrid[:48, :64]
@@ -29,6 +30,11 @@ def imported(tmp_path):
 
 def overwrite(folder, kind, name, is_white):
     write_image(folder / "given" / kind / f"{name}.png", np.asarray(is_white, np.bool_))
+
+
+def without_points(folder):
+    """The layout's points lie anywhere, those in the sky included."""
+    save_points(Points(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint8)), folder)
 
 
 def views_of(target):
@@ -50,6 +56,7 @@ def test_given_masks_keep_their_meaning(imported):
 
 def test_missing_sky_mask_is_an_error_or_made(imported):
     scene, folder, target = imported
+    without_points(folder)
     name = scene.views[0].name
     (folder / "given" / "is_sky" / f"{name}.png").unlink()
     with pytest.raises(InputError, match=f"{name}: no source of 'given' has .*-or-classical"):
@@ -81,8 +88,16 @@ def test_missing_occluder_mask_is_an_error_or_all_valid(imported):
 def test_classical_ignores_given_sky(imported):
     scene, folder, target = imported
     overwrite(folder, "is_sky", scene.views[0].name, ROWS < 0)
+    without_points(folder)
     make_masks(folder, target, MaskSources(sky_masks="classical"))
     assert load_masks(target, scene.views[0])[1].any()
+
+
+@pytest.mark.slow
+def test_points_say_what_is_no_sky(imported):
+    scene, folder, target = imported
+    make_masks(folder, target, MaskSources(sky_masks="classical"))
+    assert not load_masks(target, scene.views[0])[1].any()  # points lie all over its blue third
 
 
 def test_mask_of_another_size_is_refused(imported):

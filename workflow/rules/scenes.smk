@@ -42,6 +42,7 @@ rule import_scene:
 rule masks:
     input:
         scene="results/{scene}/scene/scene.json",
+        points="results/{scene}/scene/points.npz",
     output:
         "results/{scene}/masks/masks.json",
     log:

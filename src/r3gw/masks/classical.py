@@ -2,9 +2,9 @@
 
 1. Regions of small gradient that touch the top edge, for a row of gradient thresholds, as in [1]
    but connected instead of column by column. The likeliest wins: two normal distributions of
-   colour, and sky more probable the higher a pixel lies. Dark regions at the top (leaves, poles)
-   are dropped. Where the winner leaks into the building, stricter thresholds do not: the
-   strictest region that is still large is sure sky.
+   colour, and sky more probable the higher a pixel lies. What stands out
+   among them is dropped (r3gw.masks.regions): leaves, poles and walls. Where the winner leaks into
+   the building, stricter thresholds do not: the strictest region that is still large is sure sky.
 2. So are clouds: brighter parts of the region that the energy of [1] prefers (it likes to take in
    clouds, and leaks) that are blue or white, and of the likeliest one that are not warm or that no
    edge as strong as the skyline's cuts off.
@@ -12,7 +12,8 @@
 4. Near the skyline the colours around each pixel decide (r3gw.masks.skyline): holes in trees
    become sky, pale cornices and crosses become ground.
 
-It takes for granted that a photo shows sky at its top edge; a smooth wall there is taken for sky.
+It takes for granted that a photo shows sky at its top edge; a smooth wall there is taken for sky
+if no points are known on it.
 
 [1] Shen and Wang, "Sky region detection in a single image for autonomous ground robot
 navigation", IJARS 10, 2013.  [2] Rother, Kolmogorov and Blake, "GrabCut", SIGGRAPH 2004.
@@ -24,7 +25,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from r3gw.masks.regions import Counts, Cues, smooth_top
 from r3gw.masks.skyline import refine_skyline
+from r3gw.masks.solid import Positions
 
 Rgb = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
@@ -37,7 +40,6 @@ _COLOUR_FLOOR = 4.0  # squared 8-bit levels, added to the variances
 _HORIZON = 0.55  # fraction of the height at which sky and ground are equally probable
 _HORIZON_SLOPE = 4.0  # of the log odds of sky, per height
 _STRICT_SHARE = 0.75  # of the winner's area that the strict region must keep
-_DARK = 0.72  # times the main region's brightness; darker ones at the top are no sky
 _CLOUD = 0.95  # times the sure sky's median brightness
 _WARM = 130.0  # 8-bit b* of a colour just warmer than grey
 _BLUE = 122.0  # 8-bit b* of a colour that stone does not have
@@ -45,6 +47,7 @@ _WHITE = 220.0  # 8-bit brightness of a sunlit cloud
 _CLOUD_EDGE = 0.35  # times the skyline's median gradient
 _GROUND_ROWS = 0.04  # of the height, at the bottom: never sky
 _GRABCUT_ROUNDS = 5
+_POINT_PX = 5  # what is around a point is ground, too
 
 
 @dataclass(frozen=True)
@@ -56,29 +59,45 @@ class _Candidate:
     evenness: float
 
 
-def segment_sky(photo: Rgb) -> Mask:
+def segment_sky(photo: Rgb, solid: Positions | None = None) -> Mask:
     """Guess which pixels of an RGB photo ``[H, W, 3]`` show sky, ``[H, W]``.
 
     The same photo gives the same mask. All False if nothing at the top edge is smooth.
+
+    Args:
+        photo: The photo.
+        solid: Where points of its surfaces lie in it (r3gw.masks.solid); None if unknown.
     """
     height, width = photo.shape[:2]
     factor = _WORKING_PX / max(height, width)
     size = (max(1, round(width * factor)), max(1, round(height * factor)))
     interpolation = cv2.INTER_AREA if factor < 1.0 else cv2.INTER_CUBIC
     small = cv2.resize(photo, size, interpolation=interpolation).astype(np.uint8)
-    sure = _sure_sky(small)
+    points = _point_counts(solid, factor, size)
+    sure = _sure_sky(small, points)
     if sure is None:
         return np.zeros((height, width), dtype=np.bool_)
-    return refine_skyline(photo, _grown(small, sure))
+    return refine_skyline(photo, _grown(small, sure, points))
 
 
-def _sure_sky(photo: Rgb) -> Mask | None:
+def _point_counts(solid: Positions | None, factor: float, size: tuple[int, int]) -> Counts:
+    """How many points lie in each pixel of the picture scaled to ``size`` (width, height)."""
+    width, height = size
+    counts = np.zeros((height, width), np.int64)
+    if solid is not None:
+        column, row = np.floor(solid * factor).astype(np.int64).T
+        np.add.at(counts, (row.clip(0, height - 1), column.clip(0, width - 1)), 1)
+    return counts
+
+
+def _sure_sky(photo: Rgb, points: Counts) -> Mask | None:
     """A region that is sky with hardly a doubt, or None if there is no candidate."""
-    brightness = photo.max(axis=2).astype(np.float64)
-    gradient = cv2.dilate(_gradient(photo), np.ones((3, 3), np.uint8))
+    cues = Cues.of(photo, points)
+    brightness = cues.brightness
+    gradient = cv2.dilate(cues.gradient, np.ones((3, 3), np.uint8))
     colours, candidates = _Colours(photo), []
     for threshold in _THRESHOLDS:
-        is_sky = _smooth_top(gradient < threshold, brightness)
+        is_sky = smooth_top(gradient < threshold, cues)
         if _SHARES[0] <= is_sky.mean() <= _SHARES[1]:
             both = colours.covariances(is_sky)
             scores = _likelihood(is_sky, *both), _evenness(*both)
@@ -98,30 +117,6 @@ def _sure_sky(photo: Rgb) -> Mask | None:
     is_pale = is_bright & _blue_or_white(photo)
     clouds |= _clouds(photo, wide & is_pale & ~strict, strict, is_soft)
     return np.asarray(strict | clouds)
-
-
-def _gradient(photo: Rgb) -> NDArray[np.float32]:
-    """Largest Sobel gradient over the L*a*b* channels, ``[H, W]``."""
-    lab = cv2.cvtColor(photo, cv2.COLOR_RGB2LAB).astype(np.float32)
-    channels = [
-        np.hypot(cv2.Sobel(channel, cv2.CV_32F, 1, 0), cv2.Sobel(channel, cv2.CV_32F, 0, 1))
-        for channel in cv2.split(lab)
-    ]
-    return np.asarray(np.max(channels, axis=0), dtype=np.float32)
-
-
-def _smooth_top(is_smooth: Mask, brightness: NDArray[np.float64]) -> Mask:
-    """Smooth regions that touch the top edge, without those much darker than the largest."""
-    count, labels = cv2.connectedComponents(is_smooth.astype(np.uint8), connectivity=4)
-    at_top = np.setdiff1d(labels[0], [0])
-    if at_top.size == 0:
-        return np.zeros(is_smooth.shape, dtype=np.bool_)
-    area = np.bincount(labels.ravel(), minlength=count)
-    mean = np.bincount(labels.ravel(), brightness.ravel(), minlength=count) / np.maximum(area, 1)
-    largest = at_top[area[at_top].argmax()]
-    kept = np.isin(labels, at_top[mean[at_top] >= _DARK * mean[largest]])
-    # Give back the pixel that the dilated gradient took.
-    return cv2.dilate(kept.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(np.bool_)
 
 
 def _blue_or_white(photo: Rgb) -> Mask:
@@ -188,11 +183,13 @@ def _likelihood(is_sky: Mask, sky: NDArray[np.float64], ground: NDArray[np.float
     return total
 
 
-def _grown(photo: Rgb, sure: Mask) -> Mask:
+def _grown(photo: Rgb, sure: Mask, points: Counts) -> Mask:
     """GrabCut from the sure sky; keeps what is connected to its core."""
     core = cv2.erode(sure.astype(np.uint8), np.ones((9, 9), np.uint8)).astype(np.bool_)
     labels = np.where(sure, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
     labels[core] = cv2.GC_FGD
+    around = cv2.dilate((points > 0).astype(np.uint8), np.ones((_POINT_PX, _POINT_PX), np.uint8))
+    labels[(around > 0) & ~sure] = cv2.GC_BGD
     labels[round((1.0 - _GROUND_ROWS) * len(labels)) :] = cv2.GC_BGD
     if not core.any():
         return sure

@@ -13,7 +13,8 @@ from r3gw.masks.classical import segment_sky
 from r3gw.masks.labels import read_label_masks
 from r3gw.masks.network import SegmentationNetwork
 from r3gw.masks.settings import MaskSources, chain
-from r3gw.scene import View
+from r3gw.masks.solid import Positions, solid_positions
+from r3gw.scene import View, load_points
 from r3gw.scene.names import ByPhoto, stem_of
 
 Mask = NDArray[np.bool_]
@@ -40,6 +41,7 @@ class MaskReader:
         if "network" in named and sources.network is not None:
             self._network = SegmentationNetwork(sources.network)
         self._segmented: tuple[str, tuple[Mask, Mask]] | None = None
+        self._points: NDArray[np.float32] | None = None
 
     def is_sky(self, view: View) -> tuple[str, Mask]:
         """Name of the source, and the mask ``[H, W]``.
@@ -51,7 +53,7 @@ class MaskReader:
             "given": lambda view: self._given("is_sky", view),
             "labels": lambda view: self._of_labels(view, 1),
             "network": lambda view: self._of_network(view, 1),
-            "classical": lambda view: segment_sky(self._photo(view)),
+            "classical": lambda view: segment_sky(self._photo(view), self._solid(view)),
             "none": lambda view: np.zeros((view.height, view.width), np.bool_),
         }
         return _first("is_sky", view, self._sources.sky_masks, makers)
@@ -82,6 +84,11 @@ class MaskReader:
 
     def _photo(self, view: View) -> NDArray[np.uint8]:
         return read_rgb(self._folder / view.image)
+
+    def _solid(self, view: View) -> Positions:
+        if self._points is None:
+            self._points = load_points(self._folder).xyz
+        return solid_positions(view, self._points)
 
     def _given(self, kind: str, view: View) -> Mask | None:
         path = self._folder / "given" / kind / f"{view.name}.png"
