@@ -47,7 +47,6 @@ _WHITE = 220.0  # 8-bit brightness of a sunlit cloud
 _CLOUD_EDGE = 0.35  # times the skyline's median gradient
 _GROUND_ROWS = 0.04  # of the height, at the bottom: never sky
 _GRABCUT_ROUNDS = 5
-_POINT_PX = 5  # what is around a point is ground, too
 
 
 @dataclass(frozen=True)
@@ -77,7 +76,7 @@ def segment_sky(photo: Rgb, solid: Positions | None = None) -> Mask:
     sure = _sure_sky(small, points)
     if sure is None:
         return np.zeros((height, width), dtype=np.bool_)
-    return refine_skyline(photo, _grown(small, sure, points))
+    return refine_skyline(photo, _grown(small, sure))
 
 
 def _point_counts(solid: Positions | None, factor: float, size: tuple[int, int]) -> Counts:
@@ -183,13 +182,11 @@ def _likelihood(is_sky: Mask, sky: NDArray[np.float64], ground: NDArray[np.float
     return total
 
 
-def _grown(photo: Rgb, sure: Mask, points: Counts) -> Mask:
+def _grown(photo: Rgb, sure: Mask) -> Mask:
     """GrabCut from the sure sky; keeps what is connected to its core."""
     core = cv2.erode(sure.astype(np.uint8), np.ones((9, 9), np.uint8)).astype(np.bool_)
     labels = np.where(sure, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
     labels[core] = cv2.GC_FGD
-    around = cv2.dilate((points > 0).astype(np.uint8), np.ones((_POINT_PX, _POINT_PX), np.uint8))
-    labels[(around > 0) & ~sure] = cv2.GC_BGD
     labels[round((1.0 - _GROUND_ROWS) * len(labels)) :] = cv2.GC_BGD
     if not core.any():
         return sure
