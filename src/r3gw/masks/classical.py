@@ -2,9 +2,9 @@
 
 1. Regions of small gradient that touch the top edge, for a row of gradient thresholds, as in [1]
    but connected instead of column by column. The likeliest wins: two normal distributions of
-   colour, and sky more probable the higher a pixel lies. What stands out
-   among them is dropped (r3gw.masks.regions): leaves, poles and walls. Where the winner leaks into
-   the building, stricter thresholds do not: the strictest region that is still large is sure sky.
+   colour, and sky more probable the higher a pixel lies. What stands out among them is dropped
+   (r3gw.masks.regions): leaves, poles and walls. Where the winner leaks into the building, stricter
+   thresholds do not: the strictest region that is still large is sure sky.
 2. So are clouds: brighter parts of the region that the energy of [1] prefers (it likes to take in
    clouds, and leaks) that are blue or white, and of the likeliest one that are not warm or that no
    edge as strong as the skyline's cuts off.
