@@ -60,6 +60,13 @@ def test_cloud_on_a_blue_sky_is_sky(hard):
     assert iou(found, truth) > 0.97
 
 
+def test_sky_of_a_photo_at_night():
+    photo, truth = made_photo((120, 160, 220), (190, 170, 140))
+    noise = np.random.default_rng(5).normal(0, 1.0, photo.shape)
+    night = np.clip(photo * 0.05 + noise, 0, 255).astype(np.uint8)
+    assert iou(segment_sky(night), truth) > 0.95
+
+
 def photo_beside_a_wall(rough, rgb=(205, 110, 70)):
     """The made photo with a wall up to the top edge on its right; and the sky."""
     photo, truth = made_photo((120, 160, 220), (190, 170, 140))

@@ -47,6 +47,8 @@ _WHITE = 220.0  # 8-bit brightness of a sunlit cloud
 _CLOUD_EDGE = 0.35  # times the skyline's median gradient
 _GROUND_ROWS = 0.04  # of the height, at the bottom: never sky
 _GRABCUT_ROUNDS = 5
+# Where the brightest hundredth of a photo is darker than _NIGHT, it is made as bright as _DAY.
+_BRIGHTEST, _NIGHT, _DAY = 0.99, 100.0, 220.0
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ def segment_sky(photo: Rgb, solid: Positions | None = None) -> Mask:
         photo: The photo.
         solid: Where points of its surfaces lie in it (r3gw.masks.solid); None if unknown.
     """
+    photo = _lightened(photo)
     height, width = photo.shape[:2]
     factor = _WORKING_PX / max(height, width)
     size = (max(1, round(width * factor)), max(1, round(height * factor)))
@@ -77,6 +80,14 @@ def segment_sky(photo: Rgb, solid: Positions | None = None) -> Mask:
     if sure is None:
         return np.zeros((height, width), dtype=np.bool_)
     return refine_skyline(photo, _grown(small, sure))
+
+
+def _lightened(photo: Rgb) -> Rgb:
+    """A dark photo with the contrast of a bright one: the thresholds here are 8-bit levels."""
+    brightest = float(np.quantile(photo.max(axis=2), _BRIGHTEST))
+    if brightest >= _NIGHT:
+        return photo
+    return np.clip(photo * (_DAY / max(brightest, 1.0)), 0, 255).astype(np.uint8)
 
 
 def _point_counts(solid: Positions | None, factor: float, size: tuple[int, int]) -> Counts:
