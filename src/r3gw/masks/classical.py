@@ -87,7 +87,7 @@ def _lightened(photo: Rgb) -> Rgb:
     brightest = float(np.quantile(photo.max(axis=2), _BRIGHTEST))
     if brightest >= _NIGHT:
         return photo
-    return np.clip(photo * (_DAY / max(brightest, 1.0)), 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(photo * (_DAY / max(brightest, 1.0)), 0, 255).astype(np.uint8))
 
 
 def _point_counts(solid: Positions | None, factor: float, size: tuple[int, int]) -> Counts:
