@@ -2,12 +2,9 @@
 
 from math import atan2, cos, degrees, radians, sin, tan
 
+import mitsuba as mi
 import numpy as np
 import pytest
-
-pytest.importorskip("mitsuba")
-
-import mitsuba as mi
 
 from r3gw.benchmark.sunlit import EDGE_PX, faces_sun, in_sun, shadow_edges
 from r3gw.geometry.cameras import Camera, pixel_rays

@@ -58,7 +58,7 @@ def test_an_even_dome_is_more_even_than_chance(azimuth_rad):
 
 def test_a_closed_sky_starts_evenly():
     cameras = [looking(0.0)]
-    closed = SKY.model_copy(update={"is_closed": True})
+    closed = SKY.model_copy(update={"is_closed": True, "least_opacity": 0.95})
     initial = initial_points(torch.randn(50, 3), cameras, closed, seed=0)
     expected = even_dome(initial.dome, len(initial.sky_angles))
     torch.testing.assert_close(initial.sky_angles, expected, rtol=0, atol=0)

@@ -77,6 +77,11 @@ def test_training_leaves_a_closed_sky_as_it_is(is_closed):
     assert len(state.model.foreground) > many
 
 
+def test_a_closed_sky_that_would_stay_thin_is_refused():
+    with pytest.raises(ValueError, match=r"'least_opacity' to at least 0\.9, it is 0\.5"):
+        train_settings(sky={"is_closed": True, "least_opacity": 0.5})
+
+
 def test_price_of_slopes_by_hand():
     light = torch.tensor(
         [[9.0, 9.0, 9.0], [1.0, 0.0, -1.0], [0.0, 2.0, 0.0], [0.0, 0.0, 0.0]], requires_grad=True

@@ -25,12 +25,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from r3gw.masks.regions import Counts, Cues, smooth_top
+from r3gw.masks.regions import Counts, Cues, Mask, Rgb, smooth_top
 from r3gw.masks.skyline import refine_skyline
 from r3gw.masks.solid import Positions
-
-Rgb = NDArray[np.uint8]
-Mask = NDArray[np.bool_]
 
 _WORKING_PX = 512
 # Gradient magnitudes (Sobel, 8-bit L*a*b*) tried as the border between smooth and not.

@@ -77,6 +77,8 @@ def smooth_top(is_smooth: Mask, cues: Cues) -> Mask:
 
 def _are_solid(labels: NDArray[np.int32], area: Counts, points: Counts) -> Mask:
     """Which regions hold so many points that they are none of the sky."""
+    if not points.any():
+        return np.zeros(len(area), dtype=np.bool_)
     kernel = np.ones((2 * _BORDER_PX + 1,) * 2, np.uint8)
     # Greatest and smallest label around a pixel agree inside of a region alone.
     as_float = labels.astype(np.float32)

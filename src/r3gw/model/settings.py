@@ -2,9 +2,11 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from r3gw.files.strict import Strict
+
+LEAST_CLOSED = 0.9  # opacity of a closed sky's Gaussians: they never become denser than they start
 
 
 class InitSettings(Strict):
@@ -44,6 +46,15 @@ class SkySettings(Strict):
     around: Literal["scene", "cameras"]
     least_opacity: float = Field(ge=0, lt=1)
     is_closed: bool
+
+    @model_validator(mode="after")
+    def _closed_is_dense(self) -> "SkySettings":
+        if self.is_closed and self.least_opacity < LEAST_CLOSED:
+            raise ValueError(
+                f"a sky with 'is_closed: true' stays as thin as it starts: set 'least_opacity' to "
+                f"at least {LEAST_CLOSED}, it is {self.least_opacity}"
+            )
+        return self
 
 
 class StereoSettings(Strict):
